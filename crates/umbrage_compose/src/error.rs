@@ -1,0 +1,221 @@
+//! Faults: what is wrong, where in the author's file, and what to do.
+
+use std::fmt;
+
+use codespan_reporting::{
+    diagnostic::{Diagnostic, Label},
+    files::{Files, SimpleFile},
+    term,
+};
+
+use crate::Key;
+
+/// What kind of fault it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// A file is missing, unreadable, or not of its format.
+    File,
+    /// A manifest or a package's axes say something impossible.
+    Manifest,
+    /// A key names an axis or a value that does not exist, or leaves out one that has no default.
+    Key,
+    /// A module's text is not WESL.
+    Syntax,
+    /// An import names nothing.
+    Import,
+    /// An interface is unbound, or its implementation does not fit.
+    Interface,
+    /// A type or value is wrong: what naga's front end refuses.
+    Type,
+    /// Functions, constants or types lead back to themselves.
+    Recursion,
+    /// The linked permutation is not valid on the target.
+    Validation,
+}
+
+/// A place in an author's file.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Location {
+    /// The file, as it was named to the composer.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+    /// The column in characters, from 1.
+    pub column: usize,
+    /// What is to be said of the place; often empty.
+    pub label: String,
+}
+
+/// One fault, rendered with the lines it speaks of.
+///
+/// The first location is the fault's own; others are what it conflicts with.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// What kind of fault.
+    pub cause: Cause,
+    /// What is wrong, as a lowercase fragment.
+    pub message: String,
+    /// Where: the fault's own place first.
+    pub locations: Vec<Location>,
+    /// What to do about it, and what else helps.
+    pub notes: Vec<String>,
+    /// The permutations in which it was found; one, until faults are gathered.
+    pub keys: Vec<Key>,
+    snippets: String,
+}
+
+/// A stretch of a source text, for building a [`Fault`].
+pub(crate) struct Place<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) text: &'a str,
+    pub(crate) range: std::ops::Range<usize>,
+    pub(crate) label: String,
+}
+
+impl Fault {
+    pub(crate) fn new(cause: Cause, message: impl Into<String>) -> Self {
+        Self {
+            cause,
+            message: message.into(),
+            locations: Vec::new(),
+            notes: Vec::new(),
+            keys: Vec::new(),
+            snippets: String::new(),
+        }
+    }
+
+    pub(crate) fn at(mut self, place: Place<'_>) -> Self {
+        let text = place.text;
+        let end = floor_char(text, place.range.end);
+        let start = floor_char(text, place.range.start.min(end));
+        let file = SimpleFile::new(place.file, text);
+        // A simple file has a location for every offset within its text.
+        if let Ok(at) = file.location((), start) {
+            self.locations.push(Location {
+                file: place.file.to_owned(),
+                line: at.line_number,
+                column: at.column_number,
+                label: place.label.clone(),
+            });
+        }
+        let primary = self.locations.len() == 1;
+        let label = if primary {
+            Label::primary((), start..end)
+        } else {
+            Label::secondary((), start..end)
+        };
+        let message = if primary { self.message.as_str() } else { "" };
+        let diagnostic = if primary { Diagnostic::error() } else { Diagnostic::note() }
+            .with_message(message)
+            .with_labels(vec![label.with_message(place.label)]);
+        let config = term::Config::default();
+        let mut rendered = String::new();
+        if term::emit_to_string(&mut rendered, &config, &file, &diagnostic).is_ok() {
+            // The message stands once, in our own words, before all snippets.
+            let body = rendered.split_once('\n').map_or("", |(_, body)| body);
+            self.snippets.push_str(body.trim_end());
+            self.snippets.push('\n');
+        }
+        self
+    }
+
+    pub(crate) fn in_file(mut self, file: impl Into<String>, line: usize, column: usize) -> Self {
+        let file = file.into();
+        self.snippets.push_str(&format!("  --> {file}:{line}:{column}\n"));
+        self.locations.push(Location { file, line, column, label: String::new() });
+        self
+    }
+
+    pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
+
+    pub(crate) fn key(mut self, key: &Key) -> Self {
+        self.keys = vec![key.clone()];
+        self
+    }
+
+    /// The fault's own place.
+    pub fn location(&self) -> Option<&Location> {
+        self.locations.first()
+    }
+}
+
+fn floor_char(text: &str, index: usize) -> usize {
+    let mut index = index.min(text.len());
+    while !text.is_char_boundary(index) {
+        index -= 1;
+    }
+    index
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.message)?;
+        f.write_str(&self.snippets)?;
+        for note in &self.notes {
+            writeln!(f, "  = {note}")?;
+        }
+        match self.keys.as_slice() {
+            [] => Ok(()),
+            [key] => writeln!(f, "  = in the permutation {key}"),
+            [key, rest @ ..] => {
+                writeln!(f, "  = in the permutation {key} and {} more", rest.len())
+            }
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// One or more faults.
+#[derive(Clone, Debug)]
+pub struct Error(Box<Vec<Fault>>);
+
+impl Error {
+    /// The faults, one at the least.
+    pub fn faults(&self) -> &[Fault] {
+        &self.0
+    }
+
+    /// The faults, by value.
+    pub fn into_faults(self) -> Vec<Fault> {
+        *self.0
+    }
+
+    pub(crate) fn all(faults: Vec<Fault>) -> Self {
+        Self(Box::new(faults))
+    }
+}
+
+impl From<Fault> for Error {
+    fn from(fault: Fault) -> Self {
+        Self(Box::new(vec![fault]))
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, fault) in self.0.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// The known name nearest to `name`, where one is near enough to be meant.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|known| (strsim::jaro_winkler(name, known), known))
+        .filter(|(score, _)| *score > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))
+        .map(|(_, known)| known)
+}

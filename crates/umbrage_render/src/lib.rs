@@ -1,0 +1,1 @@
+//! umbrage_render

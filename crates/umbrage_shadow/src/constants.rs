@@ -1,0 +1,46 @@
+//! Constants for a shader's uniform block, by the names of its members.
+
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+/// A member's value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// `f32`.
+    F32(f32),
+    /// `u32`.
+    U32(u32),
+    /// `vec2f`.
+    Vec2(Vec2),
+    /// `vec3f`.
+    Vec3(Vec3),
+    /// `vec4f`.
+    Vec4(Vec4),
+    /// `mat4x4f`.
+    Mat4(Mat4),
+    /// `array<…>`.
+    Array(Vec<Value>),
+}
+
+/// Values by the name of the member that reads them. The renderer places each at the offset that the
+/// linked shader gives it; a value that this permutation does not read is left out, and a member
+/// without a value is an error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants(Vec<(String, Value)>);
+
+impl Constants {
+    /// No values.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// These and `value` for the member `name`.
+    pub fn with(mut self, name: impl Into<String>, value: Value) -> Self {
+        self.0.push((name.into(), value));
+        self
+    }
+
+    /// The value for the member `name`.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+}
