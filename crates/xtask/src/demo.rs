@@ -1,0 +1,79 @@
+//! `cargo xtask demo`: the main job, from a bare machine to pictures.
+
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::{
+    run::{Steps, captured, root, umbrage},
+    setup::setup,
+};
+
+const SCENES: &str = "examples/scenes";
+const MANIFEST: &str = "permutations/demo.ron";
+const PICTURES: &str = "target/umbrage/demo";
+const SIZE: &str = "960x540";
+
+pub(crate) fn demo() -> Result<()> {
+    let mut steps = Steps::new(3);
+    steps.begin("set-up");
+    setup()?;
+    steps.run("permutations", &mut umbrage(&["check", MANIFEST]))?;
+
+    let scenes = scenes(&root().join(SCENES))?;
+    steps.begin(&format!("{} scenes", scenes.len()));
+    let pictures = root().join(PICTURES);
+    std::fs::create_dir_all(&pictures)
+        .with_context(|| format!("the folder {} could not be made", pictures.display()))?;
+    let bar = ProgressBar::new(scenes.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(100));
+    let mut made = Vec::new();
+    for scene in scenes {
+        let name = scene
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        bar.set_message(name.clone());
+        let picture = format!("{PICTURES}/{name}.png");
+        let scene = format!("{SCENES}/{name}.ron");
+        let mut render = umbrage(&["render", &scene, "--size", SIZE, "--out", &picture]);
+        captured(&mut render)?;
+        made.push(picture);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    eprintln!("the pictures are in {}:", pictures.display());
+    for picture in made {
+        eprintln!("    {picture}");
+    }
+    Ok(())
+}
+
+/// The scene files of `folder`, by name.
+fn scenes(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder)
+        .with_context(|| format!("the folder {} could not be read", folder.display()))?;
+    let mut scenes = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "ron") {
+            scenes.push(path);
+        }
+    }
+    scenes.sort();
+    if scenes.is_empty() {
+        bail!(
+            "no scene in {}: the demo has nothing to render",
+            folder.display()
+        );
+    }
+    Ok(scenes)
+}
