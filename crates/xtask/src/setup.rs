@@ -11,9 +11,12 @@ const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
 /// Builds the command and sees to it that the machine has an adapter.
 pub(crate) fn setup() -> Result<()> {
     visibly(&mut cargo(&["build", "--bin", "umbrage"]))?;
-    if let Ok(adapter) = adapter() {
-        eprintln!("adapter: {adapter}");
-        return Ok(());
+    match adapter() {
+        Ok(adapter) => {
+            eprintln!("adapter: {adapter}");
+            return Ok(());
+        }
+        Err(reason) => eprintln!("{reason:#}"),
     }
     let commands = install_commands();
     let script = commands
