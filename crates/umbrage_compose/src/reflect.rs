@@ -1,8 +1,9 @@
 //! What a linked permutation asks of its host: entry points, vertex inputs and bindings.
 
 use naga::{
-    AddressSpace, Binding as IoBinding, ImageClass, ImageDimension, Module, ScalarKind, ShaderStage,
-    StorageAccess, TypeInner, VectorSize, valid::ModuleInfo,
+    AddressSpace, ArraySize, Binding as IoBinding, GlobalVariable, Handle, ImageClass,
+    ImageDimension, Module, ScalarKind, ShaderStage, StorageAccess, Type, TypeInner,
+    valid::{GlobalUse, ModuleInfo},
 };
 use serde::{Deserialize, Serialize};
 
@@ -207,4 +208,196 @@ pub enum MemberType {
     },
     /// A struct within.
     Struct(Layout),
+}
+
+/// Reflects a valid `module`; `owner` tells the module and name that a variable came from.
+pub(crate) fn reflect(
+    module: &Module,
+    info: &ModuleInfo,
+    owner: impl Fn(Handle<GlobalVariable>) -> Option<(String, String)>,
+) -> Reflection {
+    let entry_points = module.entry_points.iter().map(|entry| EntryPoint {
+        name: entry.name.clone(),
+        stage: stage(entry.stage),
+        inputs: match entry.stage {
+            ShaderStage::Vertex => vertex_inputs(module, entry),
+            _ => Vec::new(),
+        },
+        workgroup_size: entry.workgroup_size,
+    });
+    let mut bindings: Vec<_> = module
+        .global_variables
+        .iter()
+        .filter_map(|(handle, global)| {
+            let at = global.binding?;
+            let (module_path, name) = owner(handle)?;
+            Some(Binding {
+                group: at.group,
+                binding: at.binding,
+                module: module_path,
+                name,
+                stages: used_in(module, info, handle),
+                kind: kind(module, global)?,
+            })
+        })
+        .collect();
+    bindings.sort_by_key(|binding| (binding.group, binding.binding));
+    Reflection { entry_points: entry_points.collect(), bindings }
+}
+
+fn stage(stage: ShaderStage) -> Stage {
+    match stage {
+        ShaderStage::Vertex => Stage::Vertex,
+        ShaderStage::Fragment => Stage::Fragment,
+        // The linker lets no other stage through.
+        _ => Stage::Compute,
+    }
+}
+
+fn used_in(module: &Module, info: &ModuleInfo, handle: Handle<GlobalVariable>) -> Vec<Stage> {
+    let mut stages: Vec<_> = module
+        .entry_points
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| info.get_entry_point(*index)[handle] != GlobalUse::empty())
+        .map(|(_, entry)| stage(entry.stage))
+        .collect();
+    stages.sort();
+    stages.dedup();
+    stages
+}
+
+fn vertex_inputs(module: &Module, entry: &naga::EntryPoint) -> Vec<VertexInput> {
+    let mut inputs = Vec::new();
+    let mut input = |name: &Option<String>, ty: Handle<Type>, binding: &Option<IoBinding>| {
+        let Some(IoBinding::Location { location, .. }) = binding else { return };
+        let (components, scalar) = match module.types[ty].inner {
+            TypeInner::Scalar(scalar) => (1, scalar),
+            TypeInner::Vector { size, scalar } => (u32::from(size), scalar),
+            _ => return,
+        };
+        inputs.push(VertexInput {
+            location: *location,
+            name: name.clone().unwrap_or_default(),
+            components,
+            scalar: scalar_of(scalar),
+        });
+    };
+    for argument in &entry.function.arguments {
+        match &module.types[argument.ty].inner {
+            TypeInner::Struct { members, .. } => {
+                for member in members {
+                    input(&member.name, member.ty, &member.binding);
+                }
+            }
+            _ => input(&argument.name, argument.ty, &argument.binding),
+        }
+    }
+    inputs.sort_by_key(|input| input.location);
+    inputs
+}
+
+fn scalar_of(scalar: naga::Scalar) -> Scalar {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 2) => Scalar::F16,
+        (ScalarKind::Sint, _) => Scalar::I32,
+        (ScalarKind::Uint | ScalarKind::Bool, _) => Scalar::U32,
+        _ => Scalar::F32,
+    }
+}
+
+fn kind(module: &Module, global: &GlobalVariable) -> Option<BindingKind> {
+    match global.space {
+        AddressSpace::Uniform => Some(BindingKind::Uniform(layout(module, global.ty))),
+        AddressSpace::Storage { access } => Some(BindingKind::Storage {
+            read_only: !access.contains(StorageAccess::STORE),
+            layout: layout(module, global.ty),
+        }),
+        _ => match module.types[global.ty].inner {
+            TypeInner::Sampler { comparison } => Some(BindingKind::Sampler { comparison }),
+            TypeInner::Image { dim, arrayed, class } => texture(dim, arrayed, class),
+            _ => None,
+        },
+    }
+}
+
+fn texture(dim: ImageDimension, arrayed: bool, class: ImageClass) -> Option<BindingKind> {
+    let dimension = match (dim, arrayed) {
+        (ImageDimension::D1, _) => TextureDimension::D1,
+        (ImageDimension::D2, false) => TextureDimension::D2,
+        (ImageDimension::D2, true) => TextureDimension::D2Array,
+        (ImageDimension::Cube, false) => TextureDimension::Cube,
+        (ImageDimension::Cube, true) => TextureDimension::CubeArray,
+        (ImageDimension::D3, _) => TextureDimension::D3,
+    };
+    let sampled = |sample, multisampled| BindingKind::Texture { dimension, sample, multisampled };
+    Some(match class {
+        ImageClass::Depth { multi } => sampled(TextureSample::Depth, multi),
+        ImageClass::Sampled { kind: ScalarKind::Sint, multi } => sampled(TextureSample::Sint, multi),
+        ImageClass::Sampled { kind: ScalarKind::Uint, multi } => sampled(TextureSample::Uint, multi),
+        ImageClass::Sampled { multi, .. } => sampled(TextureSample::Float, multi),
+        ImageClass::Storage { format, access } => BindingKind::StorageTexture {
+            dimension,
+            format: format!("{format:?}"),
+            read: access.contains(StorageAccess::LOAD),
+            write: access.contains(StorageAccess::STORE),
+        },
+        ImageClass::External => return None,
+    })
+}
+
+fn layout(module: &Module, ty: Handle<Type>) -> Layout {
+    match &module.types[ty].inner {
+        TypeInner::Struct { members, span } => Layout {
+            size: *span,
+            members: members
+                .iter()
+                .map(|member| Member {
+                    name: member.name.clone().unwrap_or_default(),
+                    offset: member.offset,
+                    size: module.types[member.ty].inner.size(module.to_ctx()),
+                    ty: member_type(module, member.ty),
+                })
+                .collect(),
+        },
+        TypeInner::Array { base, size: ArraySize::Dynamic, stride } => {
+            let mut element = layout(module, *base);
+            element.size = *stride;
+            element
+        }
+        other => Layout {
+            size: other.size(module.to_ctx()),
+            members: vec![Member {
+                name: String::new(),
+                offset: 0,
+                size: other.size(module.to_ctx()),
+                ty: member_type(module, ty),
+            }],
+        },
+    }
+}
+
+fn member_type(module: &Module, ty: Handle<Type>) -> MemberType {
+    match module.types[ty].inner {
+        TypeInner::Vector { size, scalar } => {
+            MemberType::Vector { components: size.into(), scalar: scalar_of(scalar) }
+        }
+        TypeInner::Matrix { columns, rows, .. } => {
+            MemberType::Matrix { columns: columns.into(), rows: rows.into() }
+        }
+        TypeInner::Array { base, size, stride } => MemberType::Array {
+            element: Box::new(member_type(module, base)),
+            count: match size {
+                ArraySize::Constant(count) => count.get(),
+                _ => 0,
+            },
+            stride,
+        },
+        TypeInner::Struct { .. } => MemberType::Struct(layout(module, ty)),
+        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => {
+            MemberType::Vector { components: 1, scalar: scalar_of(scalar) }
+        }
+        // No other type lies in a buffer.
+        _ => MemberType::Vector { components: 1, scalar: Scalar::U32 },
+    }
 }

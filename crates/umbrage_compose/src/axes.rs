@@ -1,0 +1,279 @@
+//! Axes: the choices that make a permutation, and what each value asks of the linker.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::{Cause, Error, Fault, Key, error::nearest, package::SourceText, ron_text};
+
+/// The axes of a library.
+#[derive(Clone, Debug, Default)]
+pub struct Axes {
+    axes: BTreeMap<String, Axis>,
+    rules: Vec<Rule>,
+}
+
+/// One choice.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Its name.
+    pub name: String,
+    /// What is chosen.
+    pub doc: String,
+    /// The value where a key says nothing; none where it must say.
+    pub default: Option<String>,
+    pub(crate) values: BTreeMap<String, Effect>,
+}
+
+impl Axis {
+    /// Its values, sorted.
+    pub fn values(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().map(String::as_str)
+    }
+}
+
+/// What a value asks of the linker. Modules are named by their package and path.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Effect {
+    pub(crate) root: Option<String>,
+    pub(crate) bind: BTreeMap<String, String>,
+    pub(crate) features: Vec<String>,
+}
+
+/// A combination of values that makes no sense.
+#[derive(Clone, Debug)]
+pub(crate) struct Rule {
+    pub(crate) exclude: BTreeMap<String, Vec<String>>,
+    pub(crate) reason: String,
+}
+
+impl Rule {
+    /// Whether it excludes the combination in which `value` gives each axis's value.
+    pub(crate) fn excludes<'a>(&self, value: impl Fn(&str) -> Option<&'a str>) -> bool {
+        self.exclude.iter().all(|(axis, values)| {
+            value(axis).is_some_and(|value| values.iter().any(|known| known == value))
+        })
+    }
+}
+
+impl Axes {
+    /// The axes, sorted by name.
+    pub fn iter(&self) -> impl Iterator<Item = &Axis> {
+        self.axes.values()
+    }
+
+    /// The axis `name`.
+    pub fn get(&self, name: &str) -> Option<&Axis> {
+        self.axes.get(name)
+    }
+
+    /// The value that `key` gives `axis`: its own, or the default.
+    pub fn value<'a>(&'a self, key: &'a Key, axis: &str) -> Option<&'a str> {
+        key.get(axis).or_else(|| self.axes.get(axis)?.default.as_deref())
+    }
+
+    /// Every flag that some value sets.
+    pub(crate) fn features(&self) -> impl Iterator<Item = &str> {
+        let effects = self.iter().flat_map(|axis| axis.values.values());
+        effects.flat_map(|effect| effect.features.iter().map(String::as_str))
+    }
+
+    /// What `key` asks of the linker, axis by axis.
+    pub(crate) fn effects<'a>(
+        &'a self,
+        key: &'a Key,
+    ) -> impl Iterator<Item = (&'a Axis, &'a Effect)> {
+        self.iter().filter_map(move |axis| {
+            let value = self.value(key, &axis.name)?;
+            Some((axis, axis.values.get(value)?))
+        })
+    }
+
+    pub(crate) fn check_axis(&self, name: &str) -> Result<&Axis, Fault> {
+        self.axes.get(name).ok_or_else(|| {
+            let fault = Fault::new(Cause::Key, format!("no axis `{name}`"));
+            let known: Vec<_> = self.axes.keys().map(String::as_str).collect();
+            suggest(fault, name, "axes", &known)
+        })
+    }
+
+    pub(crate) fn check_value<'a>(&self, axis: &'a Axis, value: &str) -> Result<&'a str, Fault> {
+        match axis.values.get_key_value(value) {
+            Some((known, _)) => Ok(known),
+            None => {
+                let message = format!("axis `{}` has no value `{value}`", axis.name);
+                let known: Vec<_> = axis.values().collect();
+                Err(suggest(Fault::new(Cause::Key, message), value, "values", &known))
+            }
+        }
+    }
+
+    /// The key of `choices`, which no rule excludes.
+    pub(crate) fn key<'a>(
+        &self,
+        choices: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Key, Fault> {
+        let key = self.canonical(choices)?;
+        match self.excluded(&key) {
+            Some(rule) => {
+                let message = format!("the combination {key} is excluded: {}", rule.reason);
+                Err(Fault::new(Cause::Key, message))
+            }
+            None => Ok(key),
+        }
+    }
+
+    /// The key of `choices`, which some rule may exclude.
+    pub(crate) fn canonical<'a>(
+        &self,
+        choices: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Key, Fault> {
+        let mut key = Key::default();
+        let mut seen = BTreeMap::new();
+        for (name, value) in choices {
+            let axis = self.check_axis(name)?;
+            let value = self.check_value(axis, value)?;
+            if let Some(other) = seen.insert(name, value)
+                && other != value
+            {
+                let message = format!("axis `{name}` is both `{other}` and `{value}`");
+                return Err(Fault::new(Cause::Key, message).note("give each axis one value"));
+            }
+            if axis.default.as_deref() != Some(value) {
+                key.0.insert(name.to_owned(), value.to_owned());
+            }
+        }
+        for axis in self.iter() {
+            if axis.default.is_none() && key.get(&axis.name).is_none() {
+                let message = format!("axis `{}` has no default and was not given", axis.name);
+                let values: Vec<_> = axis.values().collect();
+                return Err(Fault::new(Cause::Key, message)
+                    .note(format!("choose one of {}", values.join(", "))));
+            }
+        }
+        Ok(key)
+    }
+
+    pub(crate) fn excluded(&self, key: &Key) -> Option<&Rule> {
+        self.rules.iter().find(|rule| rule.excludes(|axis| self.value(key, axis)))
+    }
+
+    /// Takes in the axes of a package: new axes, and new values for known ones.
+    pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
+        let file: AxesFile = ron_text::parse(source, Cause::Manifest)?;
+        for (name, axis) in file.axes {
+            self.merge_axis(package, source, name, axis)?;
+        }
+        for rule in file.rules {
+            for (name, values) in &rule.exclude {
+                let axis = self
+                    .check_axis(name)
+                    .map_err(|fault| fault.at(ron_text::literal(source, &[name])))?;
+                for value in values {
+                    self.check_value(axis, value)
+                        .map_err(|fault| fault.at(ron_text::literal(source, &["exclude", name, value])))?;
+                }
+            }
+            self.rules.push(Rule { exclude: rule.exclude, reason: rule.reason });
+        }
+        Ok(())
+    }
+
+    fn merge_axis(
+        &mut self,
+        package: &str,
+        source: &SourceText,
+        name: String,
+        file: AxisFile,
+    ) -> Result<(), Error> {
+        let fault = |message: String, path: &[&str]| {
+            Error::from(Fault::new(Cause::Manifest, message).at(ron_text::literal(source, path)))
+        };
+        let axis = self.axes.entry(name.clone()).or_insert_with(|| Axis {
+            name: name.clone(),
+            doc: String::new(),
+            default: None,
+            values: BTreeMap::new(),
+        });
+        if let Some(doc) = file.doc {
+            axis.doc = doc;
+        }
+        for (value, effect) in file.values {
+            let own = |module: String| match module.strip_prefix("package::") {
+                Some(path) => format!("{package}::{path}"),
+                None => module,
+            };
+            let effect = Effect {
+                root: effect.root.map(own),
+                bind: effect.bind.into_iter().map(|(k, v)| (own(k), own(v))).collect(),
+                features: effect.features,
+            };
+            if axis.values.insert(value.clone(), effect).is_some() {
+                let message = format!("axis `{name}` has the value `{value}` already");
+                return Err(fault(message, &[&name, &value]));
+            }
+        }
+        if let Some(default) = file.default {
+            match &axis.default {
+                Some(other) if *other != default => {
+                    let message =
+                        format!("axis `{name}` has the default `{other}` already, not `{default}`");
+                    return Err(fault(message, &[&name, &default]));
+                }
+                _ => axis.default = Some(default.clone()),
+            }
+            if !axis.values.contains_key(&default) {
+                let message = format!("axis `{name}` has no value `{default}` to be its default");
+                return Err(fault(message, &[&name, &default]));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
+    let fault = match nearest(name, known.iter().copied()) {
+        Some(near) => fault.note(format!("did you mean `{near}`?")),
+        None => fault,
+    };
+    match known {
+        [] => fault.note(format!("there are no {what}")),
+        _ => fault.note(format!("{what}: {}", known.join(", "))),
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxesFile {
+    axes: BTreeMap<String, AxisFile>,
+    #[serde(default)]
+    rules: Vec<RuleFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisFile {
+    #[serde(default)]
+    doc: Option<String>,
+    #[serde(default)]
+    default: Option<String>,
+    values: BTreeMap<String, EffectFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EffectFile {
+    #[serde(default)]
+    root: Option<String>,
+    #[serde(default)]
+    bind: BTreeMap<String, String>,
+    #[serde(default)]
+    features: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RuleFile {
+    exclude: BTreeMap<String, Vec<String>>,
+    reason: String,
+}

@@ -1,0 +1,215 @@
+//! The composer: from a key to a permutation, by the shortest way.
+
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::{Arc, OnceLock, RwLock},
+};
+
+use crate::{
+    Error, Fault, Key, Library, Permutation, Target,
+    cache::{DiskCache, Look},
+    features::{FeatureSet, Features},
+    library::Request,
+    link::{Roots, Units, link},
+    prepare::{Prepared, prepare},
+    project::{Dependencies, Modules, dependencies, project},
+    unit::{Unit, parse},
+};
+
+/// Composes permutations of a library for a target, and keeps what it has made.
+///
+/// A key is looked up in memory; then, projected on the choices that matter, in memory again; then
+/// on disk; and only then linked, from modules that were each parsed once for the features that
+/// they read.
+#[derive(Debug)]
+pub struct Composer {
+    library: Library,
+    target: Target,
+    disk: Option<DiskCache>,
+    /// By key, and by projected key.
+    memory: RwLock<HashMap<Key, Arc<Permutation>>>,
+    /// By module.
+    modules: Vec<RwLock<Vec<Arc<Entry>>>>,
+}
+
+/// A module under features that agree on what it consults.
+#[derive(Debug)]
+struct Entry {
+    prepared: Arc<Prepared>,
+    /// Shared by entries of the same text.
+    unit: Arc<OnceLock<Result<Arc<Unit>, Fault>>>,
+}
+
+/// A permutation, and how it was come by.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// The permutation.
+    pub permutation: Arc<Permutation>,
+    /// Where it came from.
+    pub source: Source,
+    /// What is worth telling, though it did no harm: damaged cache entries, a cache that cannot be
+    /// written to.
+    pub warnings: Vec<String>,
+}
+
+/// Where a permutation came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// It was linked from its modules.
+    Linked,
+    /// This composer had it.
+    Memory,
+    /// The disk cache had it.
+    Disk,
+}
+
+impl Composer {
+    /// A composer for `library` and `target`.
+    pub fn new(library: Library, target: Target) -> Self {
+        let modules = library.sources().iter().map(|_| RwLock::default()).collect();
+        Self { library, target, disk: None, memory: RwLock::default(), modules }
+    }
+
+    /// The same, with a disk cache in the folder `dir`, which is made if need be.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written to.
+    pub fn with_disk_cache(self, dir: impl Into<PathBuf>) -> Result<Self, Error> {
+        Ok(Self { disk: Some(DiskCache::open(dir.into())?), ..self })
+    }
+
+    /// The library.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// The target.
+    pub fn target(&self) -> &Target {
+        &self.target
+    }
+
+    /// `key` with every choice that makes no difference at its default: keys with the same
+    /// projection are one permutation.
+    ///
+    /// # Errors
+    /// Faults in the modules that the key leads to, as far as that takes reading them.
+    pub fn project(&self, key: &Key) -> Result<Key, Error> {
+        let (_, found) = self.read(key).map_err(|fault| fault.key(key))?;
+        Ok(project(&self.library, key, &found))
+    }
+
+    /// The permutation of `key`.
+    ///
+    /// # Errors
+    /// Faults in the modules that the key leads to, and what the target does not allow.
+    pub fn compose(&self, key: &Key) -> Result<Composed, Error> {
+        if let Some(permutation) = self.remembered(key) {
+            return Ok(Composed { permutation, source: Source::Memory, warnings: Vec::new() });
+        }
+        let composed = self.compose_new(key).map_err(|fault| fault.key(key))?;
+        self.remember(key, &composed.permutation);
+        Ok(composed)
+    }
+
+    fn compose_new(&self, key: &Key) -> Result<Composed, Fault> {
+        let (request, found) = self.read(key)?;
+        let projected = project(&self.library, key, &found);
+        if let Some(permutation) = self.remembered(&projected) {
+            return Ok(Composed { permutation, source: Source::Memory, warnings: Vec::new() });
+        }
+        let mut warnings = Vec::new();
+        let name = self.disk.as_ref().map(|disk| {
+            (disk, DiskCache::name(&self.library, &self.target, &projected, &found))
+        });
+        if let Some((disk, name)) = &name {
+            match disk.look(name, &projected, &self.target) {
+                Look::Found(permutation) => {
+                    let permutation = Arc::new(*permutation);
+                    self.remember(&projected, &permutation);
+                    return Ok(Composed { permutation, source: Source::Disk, warnings });
+                }
+                Look::Missing => {}
+                Look::Dropped(warning) => warnings.push(warning),
+            }
+        }
+        let with = WithFeatures { composer: self, enabled: &request.features };
+        let linked = link(&self.library, &request, &with, Roots::EntryPoints)?;
+        let permutation = Permutation::new(&self.library, &self.target, projected.clone(), linked)?;
+        if let Some((disk, name)) = &name {
+            warnings.extend(disk.keep(name, &permutation));
+        }
+        let permutation = Arc::new(permutation);
+        self.remember(&projected, &permutation);
+        Ok(Composed { permutation, source: Source::Linked, warnings })
+    }
+
+    /// Links all that the module numbered `root` declares.
+    pub(crate) fn link_declarations(&self, request: &Request) -> Result<Permutation, Fault> {
+        let with = WithFeatures { composer: self, enabled: &request.features };
+        let linked = link(&self.library, request, &with, Roots::Declarations)?;
+        Permutation::new(&self.library, &self.target, Key::default(), linked)
+    }
+
+    /// Reads the modules that `key` leads to.
+    fn read(&self, key: &Key) -> Result<(Request, Dependencies), Fault> {
+        let request = self.library.request(key)?;
+        let with = WithFeatures { composer: self, enabled: &request.features };
+        let found = dependencies(&self.library, &request, &with)?;
+        Ok((request, found))
+    }
+
+    // A poisoned lock guards a map that is whole all the same: entries go in by one call.
+    fn remembered(&self, key: &Key) -> Option<Arc<Permutation>> {
+        let memory = self.memory.read().unwrap_or_else(std::sync::PoisonError::into_inner);
+        memory.get(key).cloned()
+    }
+
+    fn remember(&self, key: &Key, permutation: &Arc<Permutation>) {
+        let mut memory = self.memory.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        memory.entry(key.clone()).or_insert_with(|| permutation.clone());
+    }
+
+    fn entry(&self, module: usize, enabled: &FeatureSet) -> Result<Arc<Entry>, Fault> {
+        let lock = &self.modules[module];
+        let agrees = |entries: &[Arc<Entry>]| {
+            entries.iter().find(|entry| entry.prepared.consulted.agrees(enabled)).cloned()
+        };
+        let known = agrees(&lock.read().unwrap_or_else(std::sync::PoisonError::into_inner));
+        if let Some(entry) = known {
+            return Ok(entry);
+        }
+        let features = Features { names: self.library.features(), enabled };
+        let prepared = Arc::new(prepare(&self.library, module, &features)?);
+        let mut entries = lock.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        // Another thread may have been faster.
+        if let Some(entry) = agrees(&entries) {
+            return Ok(entry);
+        }
+        let same_text = entries.iter().find(|entry| entry.prepared.text == prepared.text);
+        let unit = same_text.map_or_else(Arc::default, |entry| entry.unit.clone());
+        let entry = Arc::new(Entry { prepared, unit });
+        entries.push(entry.clone());
+        Ok(entry)
+    }
+}
+
+/// The composer's modules under some features.
+struct WithFeatures<'a> {
+    composer: &'a Composer,
+    enabled: &'a FeatureSet,
+}
+
+impl Modules for WithFeatures<'_> {
+    fn prepared(&self, module: usize) -> Result<Arc<Prepared>, Fault> {
+        Ok(self.composer.entry(module, self.enabled)?.prepared.clone())
+    }
+}
+
+impl Units for WithFeatures<'_> {
+    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+        let entry = self.composer.entry(module, self.enabled)?;
+        let library = &self.composer.library;
+        entry.unit.get_or_init(|| parse(library, module, &entry.prepared).map(Arc::new)).clone()
+    }
+}

@@ -1,0 +1,102 @@
+//! Feature flags, and what was asked of them.
+
+use std::collections::{BTreeSet, HashMap};
+
+use crate::{Cause, Fault, error::nearest};
+
+/// The features that a library knows, each with a number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FeatureNames(HashMap<String, usize>);
+
+impl FeatureNames {
+    pub(crate) fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        let names: BTreeSet<_> = names.into_iter().collect();
+        Self(names.into_iter().enumerate().map(|(index, name)| (name.to_owned(), index)).collect())
+    }
+
+    pub(crate) fn number(&self, name: &str) -> Option<usize> {
+        self.0.get(name).copied()
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.0.iter().map(|(name, number)| (name.as_str(), *number))
+    }
+}
+
+/// A set of features by their numbers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FeatureSet(Vec<u64>);
+
+impl FeatureSet {
+    pub(crate) fn insert(&mut self, number: usize) {
+        let word = number / 64;
+        if self.0.len() <= word {
+            self.0.resize(word + 1, 0);
+        }
+        self.0[word] |= 1 << (number % 64);
+    }
+
+    pub(crate) fn contains(&self, number: usize) -> bool {
+        self.word(number / 64) >> (number % 64) & 1 == 1
+    }
+
+    fn word(&self, index: usize) -> u64 {
+        self.0.get(index).copied().unwrap_or(0)
+    }
+
+    fn union(&mut self, other: &Self) {
+        if self.0.len() < other.0.len() {
+            self.0.resize(other.0.len(), 0);
+        }
+        for (word, other) in self.0.iter_mut().zip(&other.0) {
+            *word |= other;
+        }
+    }
+}
+
+/// The features that were asked for, and which of them were found enabled: two sets of features that
+/// agree on these give the same answers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Consulted {
+    pub(crate) asked: FeatureSet,
+    pub(crate) found: FeatureSet,
+}
+
+impl Consulted {
+    /// Whether `enabled` gives the same answers.
+    pub(crate) fn agrees(&self, enabled: &FeatureSet) -> bool {
+        let words = self.asked.0.len();
+        (0..words).all(|index| enabled.word(index) & self.asked.word(index) == self.found.word(index))
+    }
+
+    pub(crate) fn union(&mut self, other: &Self) {
+        self.asked.union(&other.asked);
+        self.found.union(&other.found);
+    }
+}
+
+/// The enabled features among the known ones.
+#[derive(Clone, Copy)]
+pub(crate) struct Features<'a> {
+    pub(crate) names: &'a FeatureNames,
+    pub(crate) enabled: &'a FeatureSet,
+}
+
+impl Features<'_> {
+    /// Whether the feature `name` is enabled.
+    pub(crate) fn get(&self, name: &str, consulted: &mut Consulted) -> Result<bool, Fault> {
+        let Some(number) = self.names.number(name) else {
+            let fault = Fault::new(Cause::Syntax, format!("no axis sets the feature `{name}`"));
+            return Err(match nearest(name, self.names.iter().map(|(name, _)| name)) {
+                Some(near) => fault.note(format!("did you mean `{near}`?")),
+                None => fault.note("declare it in the package's axes.ron, among an axis's values"),
+            });
+        };
+        let enabled = self.enabled.contains(number);
+        consulted.asked.insert(number);
+        if enabled {
+            consulted.found.insert(number);
+        }
+        Ok(enabled)
+    }
+}

@@ -1,0 +1,261 @@
+//! Libraries: packages, their modules and axes.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::{Arc, OnceLock},
+};
+
+use crate::{
+    Axes, Cause, Error, Fault, Key, Package,
+    error::nearest,
+    features::{FeatureNames, FeatureSet},
+    package::Dependency,
+    source::{Source, Syntax},
+};
+
+/// Packages, with their modules and axes. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Library(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    packages: Vec<PackageEntry>,
+    sources: Vec<Source>,
+    syntax: Vec<OnceLock<Result<Syntax, Fault>>>,
+    by_path: HashMap<String, usize>,
+    axes: Axes,
+    features: FeatureNames,
+}
+
+#[derive(Debug)]
+struct PackageEntry {
+    name: String,
+    dependencies: BTreeMap<String, Dependency>,
+}
+
+/// What a key asks of the linker, with modules as numbers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Request {
+    pub(crate) root: usize,
+    /// Interfaces and the modules that implement them.
+    pub(crate) bindings: BTreeMap<usize, usize>,
+    pub(crate) features: FeatureSet,
+}
+
+impl Library {
+    /// A library of `packages`, and of those that their `wesl.toml`s name by a path. Modules are
+    /// read when a permutation first needs them.
+    ///
+    /// # Errors
+    /// Two packages of one name, an unreadable dependency, and axes that contradict each other or
+    /// name modules that do not exist.
+    pub fn new(packages: impl IntoIterator<Item = Package>) -> Result<Self, Error> {
+        let packages = with_dependencies(packages.into_iter().collect())?;
+        let mut axes = Axes::default();
+        let mut sources = Vec::new();
+        let mut entries = Vec::new();
+        let mut base = 0;
+        for (index, package) in packages.iter().enumerate() {
+            for (path, source) in &package.modules {
+                sources.push(Source {
+                    path: format!("{}::{path}", package.name),
+                    package: index,
+                    file: source.file.clone(),
+                    text: source.text.clone(),
+                    base,
+                });
+                base += source.text.len() + 1;
+            }
+            entries.push(PackageEntry {
+                name: package.name.clone(),
+                dependencies: package.dependencies.clone(),
+            });
+        }
+        for package in &packages {
+            if let Some(source) = &package.axes {
+                axes.merge(&package.name, source)?;
+            }
+        }
+        let by_path: HashMap<_, _> =
+            sources.iter().enumerate().map(|(index, source)| (source.path.clone(), index)).collect();
+        let features = FeatureNames::new(axes.features());
+        let library = Self(Arc::new(Inner {
+            packages: entries,
+            syntax: sources.iter().map(|_| OnceLock::new()).collect(),
+            sources,
+            by_path,
+            axes,
+            features,
+        }));
+        library.check_axes(&packages)?;
+        Ok(library)
+    }
+
+    /// The axes of all packages.
+    pub fn axes(&self) -> &Axes {
+        &self.0.axes
+    }
+
+    /// The key of `choices`: a value for each axis that is not to have its default.
+    ///
+    /// # Errors
+    /// An unknown axis or value, an axis without a default and a value, and a combination that the
+    /// packages' rules exclude.
+    pub fn key<'a>(
+        &self,
+        choices: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Key, Error> {
+        Ok(self.axes().key(choices)?)
+    }
+
+    pub(crate) fn features(&self) -> &FeatureNames {
+        &self.0.features
+    }
+
+    /// The same library, in which other features are known.
+    pub(crate) fn with_features(self, features: FeatureNames) -> Self {
+        match Arc::try_unwrap(self.0) {
+            Ok(inner) => Self(Arc::new(Inner { features, ..inner })),
+            Err(shared) => Self(shared),
+        }
+    }
+
+    pub(crate) fn sources(&self) -> &[Source] {
+        &self.0.sources
+    }
+
+    pub(crate) fn source(&self, module: usize) -> &Source {
+        &self.0.sources[module]
+    }
+
+    pub(crate) fn syntax(&self, module: usize) -> Result<&Syntax, Fault> {
+        let syntax = self.0.syntax[module].get_or_init(|| self.source(module).parse());
+        syntax.as_ref().map_err(Fault::clone)
+    }
+
+    /// The module of the path `package::folder::module`.
+    pub(crate) fn module(&self, path: &str) -> Option<usize> {
+        self.0.by_path.get(path).copied()
+    }
+
+    /// The name of the package that modules of `package` call `name`.
+    pub(crate) fn package_name<'a>(&'a self, package: usize, name: &'a str) -> Option<&'a str> {
+        let dependency = self.0.packages[package].dependencies.get(name);
+        let name = dependency.map_or(name, |dependency| dependency.package.as_str());
+        self.0.packages.iter().any(|known| known.name == name).then_some(name)
+    }
+
+    pub(crate) fn own_package_name(&self, package: usize) -> &str {
+        &self.0.packages[package].name
+    }
+
+    pub(crate) fn package_names(&self) -> impl Iterator<Item = &str> {
+        self.0.packages.iter().map(|package| package.name.as_str())
+    }
+
+    /// The module and offset of a place in linked modules' spans.
+    pub(crate) fn locate(&self, offset: usize) -> Option<(usize, usize)> {
+        let index = self.0.sources.partition_point(|source| source.base <= offset).checked_sub(1)?;
+        let within = offset - self.0.sources[index].base;
+        (within <= self.0.sources[index].text.len()).then_some((index, within))
+    }
+
+    /// What `key` asks of the linker.
+    pub(crate) fn request(&self, key: &Key) -> Result<Request, Fault> {
+        let mut root = None;
+        let mut request = Request::default();
+        for (_, effect) in self.axes().effects(key) {
+            if let Some(path) = &effect.root {
+                root = self.module(path);
+            }
+            for (interface, implementation) in &effect.bind {
+                if let (Some(interface), Some(implementation)) =
+                    (self.module(interface), self.module(implementation))
+                {
+                    request.bindings.insert(interface, implementation);
+                }
+            }
+            for feature in &effect.features {
+                if let Some(number) = self.features().number(feature) {
+                    request.features.insert(number);
+                }
+            }
+        }
+        request.root = root.ok_or_else(|| {
+            Fault::new(Cause::Key, format!("the key {key} names no module to start from"))
+                .note("give some axis's value a `root` in axes.ron")
+        })?;
+        Ok(request)
+    }
+
+    /// Whether the modules that the axes name exist, and interfaces are interfaces.
+    fn check_axes(&self, packages: &[Package]) -> Result<(), Error> {
+        for axis in self.axes().iter() {
+            for (value, effect) in &axis.values {
+                let modules = effect.bind.iter().flat_map(|(k, v)| [k, v]).chain(&effect.root);
+                for path in modules {
+                    if self.module(path).is_none() {
+                        let fault = self.no_module(Cause::Manifest, path);
+                        return Err(locate_axis(fault, packages, &axis.name, value).into());
+                    }
+                }
+                for interface in effect.bind.keys() {
+                    let module = self.module(interface);
+                    if module.is_some_and(|module| !self.source(module).is_interface()) {
+                        let message = format!("`{interface}` is no interface");
+                        let fault = Fault::new(Cause::Manifest, message)
+                            .note("interfaces lie in their package's folder `interface`");
+                        return Err(locate_axis(fault, packages, &axis.name, value).into());
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn no_module(&self, cause: Cause, path: &str) -> Fault {
+        let fault = Fault::new(cause, format!("no module `{path}`"));
+        let known = self.sources().iter().map(|source| source.path.as_str());
+        match nearest(path, known) {
+            Some(near) => fault.note(format!("did you mean `{near}`?")),
+            None => {
+                let packages: Vec<_> = self.package_names().collect();
+                fault.note(format!("packages: {}", packages.join(", ")))
+            }
+        }
+    }
+}
+
+fn locate_axis(fault: Fault, packages: &[Package], axis: &str, value: &str) -> Fault {
+    let quoted = |name: &str| format!("\"{name}\"");
+    let file = packages.iter().filter_map(|package| package.axes.as_ref()).find(|source| {
+        let at = source.text.find(&quoted(axis));
+        at.is_some_and(|at| source.text[at..].contains(&quoted(value)))
+    });
+    match file {
+        Some(source) => fault.at(crate::ron_text::literal(source, &[axis, "values", value])),
+        None => fault,
+    }
+}
+
+/// `packages`, and those that they name by a path, sorted by name.
+fn with_dependencies(mut packages: Vec<Package>) -> Result<Vec<Package>, Error> {
+    let mut next = 0;
+    while next < packages.len() {
+        for dependency in packages[next].dependencies.clone().into_values() {
+            let known = packages.iter().any(|package| package.name == dependency.package);
+            if let (false, Some(path)) = (known, &dependency.path) {
+                packages.push(Package::load(&dependency.package, path)?);
+            }
+        }
+        next += 1;
+    }
+    packages.sort_by(|a, b| a.name.cmp(&b.name));
+    match packages.windows(2).find(|pair| pair[0].name == pair[1].name) {
+        Some(pair) => {
+            let message = format!("two packages are called `{}`", pair[0].name);
+            Err(Fault::new(Cause::Manifest, message).note("give one of them another name").into())
+        }
+        None => Ok(packages),
+    }
+}

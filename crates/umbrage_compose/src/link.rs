@@ -1,0 +1,643 @@
+//! Linking: what is reachable from a module's roots, copied from the units into one module.
+//!
+//! Functions keep their expressions' numbers, so copying one is a clone in which only the handles
+//! that lead outside are put right.
+
+use std::{
+    collections::{BTreeMap, HashMap, HashSet},
+    sync::Arc,
+};
+
+use naga::{
+    AddressSpace, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle,
+    Module, Override, ResourceBinding, Span, Statement, Type, TypeInner,
+};
+
+use crate::{
+    Cause, Fault, Library,
+    interface,
+    library::Request,
+    names::Item,
+    reach::{FunctionId, Reach, reach},
+    unit::{Unit, private_roots},
+};
+
+/// What to start from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Roots {
+    /// The root module's entry points.
+    EntryPoints,
+    /// All that the root module declares.
+    Declarations,
+}
+
+/// A linked module, and the declaration that each of its variables came from.
+pub(crate) struct Linked {
+    pub(crate) module: Module,
+    pub(crate) owners: HashMap<Handle<GlobalVariable>, Item>,
+}
+
+/// The units of the modules in hand.
+pub(crate) trait Units {
+    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault>;
+}
+
+/// Links what `request` asks for.
+pub(crate) fn link(
+    library: &Library,
+    request: &Request,
+    units: &dyn Units,
+    roots: Roots,
+) -> Result<Linked, Fault> {
+    let mut targets = Targets { library, request, units, known: HashMap::new(), checked: HashSet::new() };
+    let reach = reach(&mut targets, request.root, roots)?;
+    let mut linker = Linker {
+        targets,
+        reach,
+        roots,
+        out: Module::default(),
+        maps: HashMap::new(),
+        functions: HashMap::new(),
+        under_way: Vec::new(),
+        globals: HashMap::new(),
+        overrides: HashMap::new(),
+        dropped: false,
+        own_names: HashSet::new(),
+    };
+    linker.link()
+}
+
+/// Finds what calls lead to, through the interfaces' bindings.
+pub(crate) struct Targets<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) request: &'a Request,
+    pub(crate) units: &'a dyn Units,
+    known: HashMap<FunctionId, FunctionId>,
+    checked: HashSet<usize>,
+}
+
+impl Targets<'_> {
+    pub(crate) fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+        self.units.unit(module)
+    }
+
+    /// The function that `called`, a function or a stand-in in its module's unit, stands for.
+    pub(crate) fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault> {
+        if let Some(target) = self.known.get(&called) {
+            return Ok(*target);
+        }
+        let unit = self.unit(called.0)?;
+        let item = &unit.functions[&called.1];
+        let target = if item.module == called.0 {
+            called
+        } else {
+            let module = self.implementation(called.0, item)?;
+            let other = self.unit(module)?;
+            match other.own_functions.get(&item.name) {
+                Some(handle) => (module, *handle),
+                None => return Err(self.not_callable(called.0, module, item)),
+            }
+        };
+        self.known.insert(called, target);
+        Ok(target)
+    }
+
+    /// The module that has `item`'s body: of an interface's function, the one that is bound.
+    fn implementation(&mut self, caller: usize, item: &Item) -> Result<usize, Fault> {
+        let source = self.library.source(item.module);
+        if !source.is_interface() {
+            return Ok(item.module);
+        }
+        match self.request.bindings.get(&item.module) {
+            Some(&bound) => {
+                if bound != item.module && self.checked.insert(item.module) {
+                    let (contract, implementation) = (self.unit(item.module)?, self.unit(bound)?);
+                    interface::check(self.library, (item.module, &contract), (bound, &implementation))?;
+                }
+                Ok(bound)
+            }
+            None => {
+                let message = format!("nothing is bound to the interface `{}`", source.path);
+                Err(Fault::new(Cause::Interface, message)
+                    .at(self.library.source(caller).find(&item.name))
+                    .note("bind a module that implements it; bind the interface to itself for its null object"))
+            }
+        }
+    }
+
+    fn not_callable(&self, caller: usize, module: usize, item: &Item) -> Fault {
+        let path = &self.library.source(module).path;
+        let message = format!("`{path}::{}` is an entry point, which nothing may call", item.name);
+        Fault::new(Cause::Type, message)
+            .at(self.library.source(caller).find(&item.name))
+            .note("move what both need into a function of its own")
+    }
+}
+
+/// What of a unit has been copied.
+#[derive(Default)]
+struct Maps {
+    types: Vec<Option<Handle<Type>>>,
+    constants: HashMap<Handle<Constant>, Handle<Constant>>,
+    expressions: HashMap<Handle<Expression>, Handle<Expression>>,
+    filters: HashMap<
+        Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
+        Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
+    >,
+}
+
+struct Linker<'a> {
+    targets: Targets<'a>,
+    reach: Reach,
+    roots: Roots,
+    out: Module,
+    maps: HashMap<usize, Maps>,
+    functions: HashMap<FunctionId, Handle<Function>>,
+    /// The functions being copied, outermost first, for telling of recursion.
+    under_way: Vec<FunctionId>,
+    globals: HashMap<Item, Handle<GlobalVariable>>,
+    overrides: HashMap<Item, Handle<Override>>,
+    /// Whether something was left out, and may have left unused things behind.
+    dropped: bool,
+    /// Names that are the root module's alone.
+    own_names: HashSet<String>,
+}
+
+impl Linker<'_> {
+    fn link(mut self) -> Result<Linked, Fault> {
+        let root = self.targets.request.root;
+        let unit = self.targets.unit(root)?;
+        if self.roots == Roots::Declarations {
+            self.declarations(root, &unit)?;
+        }
+        for entry in &unit.module.entry_points {
+            self.entry_point(root, &unit, entry)?;
+        }
+        for (module, maps) in &self.maps {
+            let unit = self.targets.unit(*module)?;
+            for (kind, handle) in &unit.module.special_types.predeclared_types {
+                if let Some(copied) = maps.types.get(handle.index()).copied().flatten() {
+                    self.out.special_types.predeclared_types.insert(kind.clone(), copied);
+                }
+            }
+        }
+        if self.dropped && self.roots == Roots::EntryPoints {
+            // What stores and calls left behind would be computed for nothing.
+            naga::compact::compact(&mut self.out, naga::compact::KeepUnused::No);
+        }
+        let owners = self.owners();
+        allocate(self.targets.library, &mut self.out, &owners)?;
+        Ok(Linked { module: self.out, owners })
+    }
+
+    /// Which declaration each variable came from, by its place: compaction renumbers variables.
+    fn owners(&self) -> HashMap<Handle<GlobalVariable>, Item> {
+        let mut owners = HashMap::new();
+        for (handle, global) in self.out.global_variables.iter() {
+            let span = self.out.global_variables.get_span(handle).to_range();
+            let place = span.and_then(|range| self.targets.library.locate(range.start));
+            let (Some((module, _)), Some(name)) = (place, &global.name) else { continue };
+            owners.insert(handle, Item { module, name: name.clone() });
+        }
+        owners
+    }
+
+    fn declarations(&mut self, root: usize, unit: &Arc<Unit>) -> Result<(), Fault> {
+        self.own_names.extend(unit.own_functions.keys().cloned());
+        self.own_names.extend(unit.own_globals.keys().cloned());
+        self.own_names.extend(unit.module.entry_points.iter().map(|entry| entry.name.clone()));
+        let own = |name: &Option<String>| {
+            name.as_ref().is_some_and(|name| !name.contains(crate::stubs::JOINT))
+        };
+        for (handle, ty) in unit.module.types.iter() {
+            if matches!(ty.inner, TypeInner::Struct { .. }) && own(&ty.name) {
+                self.ty(root, unit, handle)?;
+            }
+        }
+        for (handle, constant) in unit.module.constants.iter() {
+            if own(&constant.name) {
+                self.constant(root, unit, handle)?;
+            }
+        }
+        for handle in unit.overrides.keys().copied().collect::<std::collections::BTreeSet<_>>() {
+            if unit.overrides[&handle].module == root {
+                self.override_(root, unit, handle)?;
+            }
+        }
+        let mut globals: Vec<_> = unit.own_globals.values().copied().collect();
+        globals.sort();
+        for handle in globals {
+            self.global(root, unit, handle)?;
+        }
+        let mut functions: Vec<_> = unit.own_functions.values().copied().collect();
+        functions.sort();
+        for handle in functions {
+            self.function((root, handle))?;
+        }
+        Ok(())
+    }
+
+    fn entry_point(&mut self, root: usize, unit: &Arc<Unit>, entry: &EntryPoint) -> Result<(), Fault> {
+        let workgroup_size_overrides = match entry.workgroup_size_overrides {
+            Some(sizes) => {
+                let mut copied = [None; 3];
+                for (copied, size) in copied.iter_mut().zip(sizes) {
+                    *copied = match size {
+                        Some(size) => Some(self.expression(root, unit, size)?),
+                        None => None,
+                    };
+                }
+                Some(copied)
+            }
+            None => None,
+        };
+        if entry.mesh_info.is_some() || entry.task_payload.is_some() {
+            let message = format!("`{}` is a mesh or task stage, which no target has", entry.name);
+            return Err(Fault::new(Cause::Validation, message)
+                .at(self.targets.library.source(root).find(&entry.name)));
+        }
+        let function = self.body(root, unit, &entry.function)?;
+        self.out.entry_points.push(EntryPoint {
+            function,
+            workgroup_size_overrides,
+            ..entry.clone()
+        });
+        Ok(())
+    }
+
+    /// The copy of the function `id`.
+    fn function(&mut self, id: FunctionId) -> Result<Handle<Function>, Fault> {
+        if let Some(done) = self.functions.get(&id) {
+            return Ok(*done);
+        }
+        if let Some(start) = self.under_way.iter().position(|known| *known == id) {
+            return Err(self.recursion(start));
+        }
+        self.under_way.push(id);
+        let unit = self.targets.unit(id.0)?;
+        let original = &unit.module.functions[id.1];
+        let mut function = self.body(id.0, &unit, original)?;
+        function.name = self.free_name(id.0, &function.name);
+        self.under_way.pop();
+        let span = self.shifted(id.0, unit.module.functions.get_span(id.1));
+        let handle = self.out.functions.append(function, span);
+        self.functions.insert(id, handle);
+        Ok(handle)
+    }
+
+    /// `name`, or another where the root module has it for itself.
+    fn free_name(&self, module: usize, name: &Option<String>) -> Option<String> {
+        let name = name.as_ref()?;
+        if module == self.targets.request.root || !self.own_names.contains(name) {
+            return Some(name.clone());
+        }
+        let last = self.targets.library.source(module).path.rsplit("::").next().unwrap_or("");
+        Some(format!("{last}_{name}"))
+    }
+
+    fn recursion(&self, start: usize) -> Fault {
+        let mut fault = Fault::new(Cause::Recursion, "functions call each other in a circle");
+        for id in &self.under_way[start..] {
+            let Ok(unit) = self.targets.unit(id.0) else { continue };
+            let name = unit.module.functions[id.1].name.clone().unwrap_or_default();
+            let source = self.targets.library.source(id.0);
+            let mut place = source.find(&format!("fn {name}"));
+            place.label = "calls the next, and the last the first".to_owned();
+            fault = fault.at(place);
+        }
+        fault.note("WGSL has no recursion: let one of them do without the next")
+    }
+
+    /// A clone of `original` with its outside handles put right, and without what is dead.
+    fn body(&mut self, module: usize, unit: &Arc<Unit>, original: &Function) -> Result<Function, Fault> {
+        let mut function = original.clone();
+        for argument in &mut function.arguments {
+            argument.ty = self.ty(module, unit, argument.ty)?;
+        }
+        if let Some(result) = &mut function.result {
+            result.ty = self.ty(module, unit, result.ty)?;
+        }
+        for (_, local) in function.local_variables.iter_mut() {
+            local.ty = self.ty(module, unit, local.ty)?;
+        }
+        function.diagnostic_filter_leaf =
+            function.diagnostic_filter_leaf.map(|leaf| self.filter(module, unit, leaf));
+        let roots = private_roots(&unit.module, original);
+        let dead: Vec<_> = roots
+            .iter()
+            .map(|root| root.is_some_and(|global| !self.reach.reads.contains(&unit.globals[&global])))
+            .collect();
+        self.block(module, &dead, &mut function.body)?;
+        for (handle, expression) in function.expressions.iter_mut() {
+            self.outside(module, unit, handle, expression)?;
+        }
+        Ok(function)
+    }
+
+    /// Puts `expression`'s handles that lead outside its function right.
+    fn outside(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        _handle: Handle<Expression>,
+        expression: &mut Expression,
+    ) -> Result<(), Fault> {
+        match expression {
+            Expression::Constant(constant) => *constant = self.constant(module, unit, *constant)?,
+            Expression::Override(item) => *item = self.override_(module, unit, *item)?,
+            Expression::GlobalVariable(global) => *global = self.global(module, unit, *global)?,
+            Expression::ZeroValue(ty)
+            | Expression::Compose { ty, .. }
+            | Expression::AtomicResult { ty, .. }
+            | Expression::WorkGroupUniformLoadResult { ty }
+            | Expression::SubgroupOperationResult { ty } => *ty = self.ty(module, unit, *ty)?,
+            Expression::CallResult(function) => {
+                let target = self.targets.target((module, *function))?;
+                *function = self.function(target)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Puts the calls of `block` right, and leaves out what has no effect: `dead` tells the
+    /// expressions that lead into variables which nothing reads.
+    fn block(&mut self, module: usize, dead: &[bool], block: &mut Block) -> Result<(), Fault> {
+        let mut kept = Vec::new();
+        for index in 0..block.len() {
+            let keep = match &mut block[index] {
+                Statement::Store { pointer, .. } => !dead[pointer.index()],
+                Statement::Call { function, result, .. } => {
+                    let target = self.targets.target((module, *function))?;
+                    let keep = result.is_some() || !self.reach.idle.contains(&target);
+                    if keep {
+                        *function = self.function(target)?;
+                    }
+                    keep
+                }
+                _ => true,
+            };
+            kept.push(keep);
+        }
+        if kept.contains(&false) {
+            self.dropped = true;
+            let whole = std::mem::take(block);
+            for ((statement, span), keep) in whole.span_into_iter().zip(kept) {
+                if keep {
+                    block.push(statement, span);
+                }
+            }
+        }
+        for statement in block.iter_mut() {
+            let mut result = Ok(());
+            crate::unit::for_each_block(statement, &mut |inner| {
+                if result.is_ok() {
+                    result = self.block(module, dead, inner);
+                }
+            });
+            result?;
+        }
+        Ok(())
+    }
+
+    fn ty(&mut self, module: usize, unit: &Arc<Unit>, handle: Handle<Type>) -> Result<Handle<Type>, Fault> {
+        let maps = self.maps.entry(module).or_default();
+        maps.types.resize(unit.module.types.len(), None);
+        if let Some(done) = maps.types[handle.index()] {
+            return Ok(done);
+        }
+        let mut inner = unit.module.types[handle].inner.clone();
+        match &mut inner {
+            TypeInner::Pointer { base, .. } => *base = self.ty(module, unit, *base)?,
+            TypeInner::Array { base, size, .. } | TypeInner::BindingArray { base, size } => {
+                *base = self.ty(module, unit, *base)?;
+                if let naga::ArraySize::Pending(item) = size {
+                    *item = self.override_(module, unit, *item)?;
+                }
+            }
+            TypeInner::Struct { members, .. } => {
+                for member in members {
+                    member.ty = self.ty(module, unit, member.ty)?;
+                }
+            }
+            _ => {}
+        }
+        let name = unit.type_names[handle.index()].clone();
+        let span = self.shifted(module, unit.module.types.get_span(handle));
+        let copied = self.out.types.insert(Type { name, inner }, span);
+        if let Some(maps) = self.maps.get_mut(&module) {
+            maps.types[handle.index()] = Some(copied);
+        }
+        Ok(copied)
+    }
+
+    fn constant(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Constant>,
+    ) -> Result<Handle<Constant>, Fault> {
+        if let Some(done) = self.maps.entry(module).or_default().constants.get(&handle) {
+            return Ok(*done);
+        }
+        let original = &unit.module.constants[handle];
+        let copied = Constant {
+            // A stand-in's made-up name would be an eyesore; a nameless constant is written out.
+            name: original.name.clone().filter(|name| !name.contains(crate::stubs::JOINT)),
+            ty: self.ty(module, unit, original.ty)?,
+            init: self.expression(module, unit, original.init)?,
+        };
+        let span = self.shifted(module, unit.module.constants.get_span(handle));
+        let copied = self.out.constants.append(copied, span);
+        self.maps.entry(module).or_default().constants.insert(handle, copied);
+        Ok(copied)
+    }
+
+    fn override_(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Override>,
+    ) -> Result<Handle<Override>, Fault> {
+        let item = &unit.overrides[&handle];
+        if let Some(done) = self.overrides.get(item) {
+            return Ok(*done);
+        }
+        if item.module != module {
+            let owner = self.targets.unit(item.module)?;
+            let own = owner.overrides.iter().find(|(_, known)| *known == item).map(|(handle, _)| *handle);
+            if let Some(own) = own {
+                return self.override_(item.module, &owner, own);
+            }
+        }
+        let original = &unit.module.overrides[handle];
+        let copied = Override {
+            name: original.name.clone(),
+            id: original.id,
+            ty: self.ty(module, unit, original.ty)?,
+            init: match original.init {
+                Some(init) => Some(self.expression(module, unit, init)?),
+                None => None,
+            },
+        };
+        let span = self.shifted(module, unit.module.overrides.get_span(handle));
+        let copied = self.out.overrides.append(copied, span);
+        self.overrides.insert(item.clone(), copied);
+        Ok(copied)
+    }
+
+    fn global(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<GlobalVariable>,
+    ) -> Result<Handle<GlobalVariable>, Fault> {
+        let item = &unit.globals[&handle];
+        if let Some(done) = self.globals.get(item) {
+            return Ok(*done);
+        }
+        if item.module != module {
+            let owner = self.targets.unit(item.module)?;
+            if let Some(own) = owner.own_globals.get(&item.name) {
+                return self.global(item.module, &owner, *own);
+            }
+        }
+        let original = &unit.module.global_variables[handle];
+        let copied = GlobalVariable {
+            name: self.free_name(module, &original.name),
+            ty: self.ty(module, unit, original.ty)?,
+            init: match original.init {
+                Some(init) => Some(self.expression(module, unit, init)?),
+                None => None,
+            },
+            ..original.clone()
+        };
+        let span = self.shifted(module, unit.module.global_variables.get_span(handle));
+        let copied = self.out.global_variables.append(copied, span);
+        self.globals.insert(item.clone(), copied);
+        Ok(copied)
+    }
+
+    /// The copy of a constant expression.
+    fn expression(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Expression>,
+    ) -> Result<Handle<Expression>, Fault> {
+        if let Some(done) = self.maps.entry(module).or_default().expressions.get(&handle) {
+            return Ok(*done);
+        }
+        let mut copied = unit.module.global_expressions[handle].clone();
+        match &mut copied {
+            Expression::Compose { components, .. } => {
+                for component in components {
+                    *component = self.expression(module, unit, *component)?;
+                }
+            }
+            Expression::Access { base, index } => {
+                *base = self.expression(module, unit, *base)?;
+                *index = self.expression(module, unit, *index)?;
+            }
+            Expression::AccessIndex { base: inner, .. }
+            | Expression::Splat { value: inner, .. }
+            | Expression::Swizzle { vector: inner, .. }
+            | Expression::Unary { expr: inner, .. }
+            | Expression::Relational { argument: inner, .. }
+            | Expression::As { expr: inner, .. } => *inner = self.expression(module, unit, *inner)?,
+            Expression::Binary { left, right, .. } => {
+                *left = self.expression(module, unit, *left)?;
+                *right = self.expression(module, unit, *right)?;
+            }
+            Expression::Select { condition, accept, reject } => {
+                *condition = self.expression(module, unit, *condition)?;
+                *accept = self.expression(module, unit, *accept)?;
+                *reject = self.expression(module, unit, *reject)?;
+            }
+            Expression::Math { arg, arg1, arg2, arg3, .. } => {
+                *arg = self.expression(module, unit, *arg)?;
+                for arg in [arg1, arg2, arg3].into_iter().flatten() {
+                    *arg = self.expression(module, unit, *arg)?;
+                }
+            }
+            _ => {}
+        }
+        self.outside(module, unit, handle, &mut copied)?;
+        let span = self.shifted(module, unit.module.global_expressions.get_span(handle));
+        let copied = self.out.global_expressions.append(copied, span);
+        self.maps.entry(module).or_default().expressions.insert(handle, copied);
+        Ok(copied)
+    }
+
+    fn filter(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
+    ) -> Handle<naga::diagnostic_filter::DiagnosticFilterNode> {
+        if let Some(done) = self.maps.entry(module).or_default().filters.get(&handle) {
+            return *done;
+        }
+        let mut node = unit.module.diagnostic_filters[handle].clone();
+        node.parent = node.parent.map(|parent| self.filter(module, unit, parent));
+        let copied = self.out.diagnostic_filters.append(node, Span::UNDEFINED);
+        self.maps.entry(module).or_default().filters.insert(handle, copied);
+        copied
+    }
+
+    /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
+    fn shifted(&self, module: usize, span: Span) -> Span {
+        let source = self.targets.library.source(module);
+        crate::unit::shifted(span, source.base, source.text.len())
+    }
+}
+
+/// Gives every resource its binding number: the author's where it is free in its group, otherwise
+/// the least that is, in the order of the modules' paths.
+fn allocate(
+    library: &Library,
+    module: &mut Module,
+    owners: &HashMap<Handle<GlobalVariable>, Item>,
+) -> Result<(), Fault> {
+    let mut resources = Vec::new();
+    for (handle, global) in module.global_variables.iter() {
+        let resource = match global.space {
+            AddressSpace::Uniform | AddressSpace::Storage { .. } | AddressSpace::Handle => true,
+            AddressSpace::Function
+            | AddressSpace::Private
+            | AddressSpace::WorkGroup
+            | AddressSpace::Immediate
+            | AddressSpace::TaskPayload
+            | AddressSpace::RayPayload
+            | AddressSpace::IncomingRayPayload => false,
+        };
+        let Some(item) = owners.get(&handle).filter(|_| resource) else { continue };
+        let source = library.source(item.module);
+        let Some(binding) = global.binding else {
+            let message = format!("the resource `{}` has no `@group` and `@binding`", item.name);
+            return Err(Fault::new(Cause::Type, message)
+                .at(source.find(&item.name))
+                .note("group 0 is the pass's, 1 the light's and its method's, 2 the material's, 3 the objects'"));
+        };
+        resources.push((binding.group, source.path.as_str(), binding.binding, &item.name, handle));
+    }
+    resources.sort();
+    let mut taken: BTreeMap<(u32, u32), Handle<GlobalVariable>> = BTreeMap::new();
+    let mut late = Vec::new();
+    for (group, _, binding, _, handle) in &resources {
+        match taken.entry((*group, *binding)) {
+            std::collections::btree_map::Entry::Vacant(entry) => {
+                entry.insert(*handle);
+            }
+            std::collections::btree_map::Entry::Occupied(_) => late.push((*group, *handle)),
+        }
+    }
+    for (group, handle) in late {
+        let free = (0..).find(|binding| !taken.contains_key(&(group, *binding)));
+        taken.insert((group, free.unwrap_or(u32::MAX)), handle);
+    }
+    for ((group, binding), handle) in taken {
+        module.global_variables.get_mut(handle).binding = Some(ResourceBinding { group, binding });
+    }
+    Ok(())
+}

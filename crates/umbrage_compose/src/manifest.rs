@@ -1,0 +1,224 @@
+//! Manifests: which keys exist.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use serde::Deserialize;
+
+use crate::{
+    Axes, Cause, Error, Fault, Key, Library, Package,
+    axes::Rule,
+    package::{SourceText, read},
+    ron_text,
+};
+
+/// More keys than this are a mistake: no one can build them.
+const MOST_KEYS: usize = 1 << 20;
+
+/// Which keys exist, over which packages, for which target.
+///
+/// ```ron
+/// (
+///     packages: { "umbrage": "../shader_lib" },
+///     keys: [
+///         { "pass": ["caster"], "alpha_test": All },
+///         { "pass": ["illumination"], "light": ["spot"], "method": ["basic"], "cookie": All },
+///     ],
+///     exclude: [
+///         (when: { "alpha_test": ["on"], "cookie": ["on"] }, reason: "no leaf stands in a cookie's light"),
+///     ],
+/// )
+/// ```
+/// `packages` names folders relative to the manifest. Each of `keys` is a product of values, `All` of
+/// an axis or some; an axis that it leaves out stays at its default.
+#[derive(Debug)]
+pub struct Manifest {
+    library: Library,
+    keys: Vec<Key>,
+    target: String,
+}
+
+impl Manifest {
+    /// Reads the manifest at `path`, and the packages that it names.
+    ///
+    /// # Errors
+    /// An unreadable or malformed file, an unknown field, axis or value, a rule that excludes
+    /// nothing, and a manifest that yields no key.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let source = read(path)?;
+        let file: ManifestFile = ron_text::parse(&source, Cause::Manifest)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let packages = file.packages.iter().map(|(name, path)| {
+            Package::load(name, &folder.join(path)).map_err(|error| {
+                let at = ron_text::literal(&source, &["packages", name, path]);
+                let mut faults = error.into_faults();
+                if let Some(fault) = faults.first_mut().filter(|fault| fault.locations.is_empty()) {
+                    *fault = fault.clone().at(at);
+                }
+                Error::all(faults)
+            })
+        });
+        let library = Library::new(packages.collect::<Result<Vec<_>, _>>()?)?;
+        let keys = enumerate(library.axes(), &source, &file)?;
+        Ok(Self { library, keys, target: file.target })
+    }
+
+    /// The packages.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// The keys, sorted, each once.
+    pub fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// The name of the target that the keys are for.
+    pub fn target(&self) -> &str {
+        &self.target
+    }
+}
+
+fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Vec<Key>, Error> {
+    for rule in &file.exclude {
+        for (name, values) in &rule.when {
+            let axis = axes
+                .check_axis(name)
+                .map_err(|fault| in_manifest(fault, source, &["exclude", name]))?;
+            for value in values {
+                axes.check_value(axis, value)
+                    .map_err(|fault| in_manifest(fault, source, &["exclude", name, value]))?;
+            }
+        }
+    }
+    let rules: Vec<_> = file
+        .exclude
+        .iter()
+        .map(|rule| Rule { exclude: rule.when.clone(), reason: rule.reason.clone() })
+        .collect();
+    let mut used = vec![false; rules.len()];
+    let mut keys = BTreeSet::new();
+    for product in &file.keys {
+        let choices = choices(axes, source, product)?;
+        let size = choices.iter().try_fold(1usize, |size, (_, values)| size.checked_mul(values.len()));
+        if size.is_none_or(|size| size > MOST_KEYS) {
+            let message = format!("a product of more than {MOST_KEYS} keys");
+            return Err(in_manifest(Fault::new(Cause::Manifest, message), source, &["keys"]).into());
+        }
+        for index in 0..size.unwrap_or(0) {
+            let choice = nth(&choices, index);
+            let excluded = rules.iter().zip(&mut used).filter(|(rule, _)| {
+                rule.excludes(|axis| {
+                    let default = || axes.get(axis)?.default.as_deref();
+                    choice.get(axis).copied().or_else(default)
+                })
+            });
+            // All rules that fit are noted as used, so that none is called needless by mistake.
+            if excluded.map(|(_, used)| *used = true).count() > 0 {
+                continue;
+            }
+            let key = axes
+                .canonical(choice.iter().map(|(axis, value)| (*axis, *value)))
+                .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
+            // What the library's own rules exclude is left out, too.
+            if axes.excluded(&key).is_none() {
+                keys.insert(key);
+            }
+        }
+    }
+    if let Some((rule, _)) = rules.iter().zip(&used).find(|(_, used)| !**used) {
+        let message = format!("a rule excludes nothing: {}", rule.reason);
+        let fault = Fault::new(Cause::Manifest, message).note("remove it, or mend what it names");
+        return Err(in_manifest(fault, source, &["exclude", &rule.reason]).into());
+    }
+    if keys.is_empty() {
+        let fault = Fault::new(Cause::Manifest, "the manifest yields no key")
+            .note("add a product to `keys`, or exclude less");
+        return Err(in_manifest(fault, source, &["keys"]).into());
+    }
+    Ok(keys.into_iter().collect())
+}
+
+/// The values of each axis that `product` names.
+fn choices<'a>(
+    axes: &'a Axes,
+    source: &SourceText,
+    product: &'a BTreeMap<String, Choice>,
+) -> Result<Vec<(&'a str, Vec<&'a str>)>, Fault> {
+    let mut choices = Vec::new();
+    for (name, choice) in product {
+        let axis = axes
+            .check_axis(name)
+            .map_err(|fault| in_manifest(fault, source, &["keys", name]))?;
+        let values = match choice {
+            Choice::All => axis.values().collect(),
+            Choice::Some(values) => {
+                for value in values {
+                    axes.check_value(axis, value)
+                        .map_err(|fault| in_manifest(fault, source, &["keys", name, value]))?;
+                }
+                values.iter().map(String::as_str).collect()
+            }
+        };
+        choices.push((name.as_str(), values));
+    }
+    Ok(choices)
+}
+
+/// The combination of number `index`.
+fn nth<'a>(choices: &[(&'a str, Vec<&'a str>)], mut index: usize) -> BTreeMap<&'a str, &'a str> {
+    let mut combination = BTreeMap::new();
+    for (axis, values) in choices {
+        combination.insert(*axis, values[index % values.len()]);
+        index /= values.len();
+    }
+    combination
+}
+
+fn in_manifest(mut fault: Fault, source: &SourceText, path: &[&str]) -> Fault {
+    fault.cause = Cause::Manifest;
+    fault.at(ron_text::literal(source, path))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ManifestFile {
+    packages: BTreeMap<String, String>,
+    #[serde(default = "default_target")]
+    target: String,
+    keys: Vec<BTreeMap<String, Choice>>,
+    #[serde(default)]
+    exclude: Vec<ExcludeFile>,
+}
+
+fn default_target() -> String {
+    "webgpu".to_owned()
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ExcludeFile {
+    when: BTreeMap<String, Vec<String>>,
+    reason: String,
+}
+
+/// `All`, or a list.
+enum Choice {
+    All,
+    Some(Vec<String>),
+}
+
+impl<'de> Deserialize<'de> for Choice {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        use serde::de::Error as _;
+        let raw = Box::<ron::value::RawValue>::deserialize(deserializer)?;
+        match raw.trim().get_ron() {
+            "All" => Ok(Self::All),
+            text => ron::from_str(text).map(Self::Some).map_err(|_| {
+                D::Error::custom(format!("expected `All` or a list of strings, found `{text}`"))
+            }),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Packages: WESL modules in a folder, with their `wesl.toml` and their axes.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use globset::{Glob, GlobSet, GlobSetBuilder};
+use serde::Deserialize;
+
+use crate::{Cause, Error, Fault};
+
+/// The name of the file that holds a package's axes.
+pub(crate) const AXES_FILE: &str = "axes.ron";
+
+/// A package of WESL modules, with the axes that it offers.
+#[derive(Clone, Debug)]
+pub struct Package {
+    pub(crate) name: String,
+    /// Modules by their path within the package, joined by `::`.
+    pub(crate) modules: BTreeMap<String, SourceText>,
+    pub(crate) axes: Option<SourceText>,
+    pub(crate) dependencies: BTreeMap<String, Dependency>,
+}
+
+/// A text and the file that it came from.
+#[derive(Clone, Debug)]
+pub(crate) struct SourceText {
+    pub(crate) file: String,
+    pub(crate) text: Arc<str>,
+}
+
+/// Another package, as a `wesl.toml` names it.
+#[derive(Clone, Debug)]
+pub(crate) struct Dependency {
+    /// The package's own name.
+    pub(crate) package: String,
+    /// The folder with its `wesl.toml`.
+    pub(crate) path: Option<PathBuf>,
+}
+
+impl Package {
+    /// Reads the package in the folder `dir`: its `wesl.toml` where it has one, the modules that it
+    /// includes, and its `axes.ron` where it has one. Other packages know it as `name`.
+    ///
+    /// # Errors
+    /// An unreadable or malformed file.
+    pub fn load(name: &str, dir: &Path) -> Result<Self, Error> {
+        let config = Config::load(dir)?;
+        let root = dir.join(&config.root);
+        let mut package = Self {
+            name: name.to_owned(),
+            modules: BTreeMap::new(),
+            axes: None,
+            dependencies: config.dependencies(dir),
+        };
+        if !root.is_dir() {
+            return Err(Fault::new(
+                Cause::File,
+                format!("`{}` is not a folder of WESL modules", root.display()),
+            )
+            .note("give a folder that holds a wesl.toml or *.wesl files")
+            .into());
+        }
+        let axes = dir.join(AXES_FILE);
+        if axes.is_file() {
+            package.axes = Some(read(&axes)?);
+        }
+        let (include, exclude) = config.globs(dir)?;
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(&folder).map_err(|error| unreadable(&folder, &error))? {
+                let path = entry.map_err(|error| unreadable(&folder, &error))?.path();
+                let relative = path.strip_prefix(dir).unwrap_or(&path);
+                if exclude.is_match(relative) {
+                    continue;
+                }
+                if path.is_dir() {
+                    folders.push(path);
+                } else if is_module(&path) && include.is_match(relative) {
+                    let within = path.strip_prefix(&root).unwrap_or(&path);
+                    package.modules.insert(module_path(within), read(&path)?);
+                }
+            }
+        }
+        Ok(package)
+    }
+
+    /// A package from texts: `files` are paths relative to the package's root, such as
+    /// `methods/basic.wesl` or `axes.ron`, with their texts. Faults name a file as `root`/path.
+    ///
+    /// # Errors
+    /// Two files that are one module.
+    pub fn from_sources(
+        name: &str,
+        root: &str,
+        files: impl IntoIterator<Item = (String, String)>,
+    ) -> Result<Self, Error> {
+        let mut package = Self {
+            name: name.to_owned(),
+            modules: BTreeMap::new(),
+            axes: None,
+            dependencies: BTreeMap::new(),
+        };
+        for (path, text) in files {
+            let file = if root.is_empty() { path.clone() } else { format!("{root}/{path}") };
+            let source = SourceText { file, text: text.into() };
+            if path == AXES_FILE {
+                package.axes = Some(source);
+            } else if is_module(Path::new(&path)) {
+                let file = source.file.clone();
+                if package.modules.insert(module_path(Path::new(&path)), source).is_some() {
+                    let message = format!("`{file}` and another file are the same module");
+                    return Err(Fault::new(Cause::File, message).into());
+                }
+            }
+        }
+        Ok(package)
+    }
+}
+
+fn is_module(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "wesl" || extension == "wgsl")
+}
+
+fn module_path(within: &Path) -> String {
+    let stem = within.with_extension("");
+    let parts: Vec<_> = stem.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+    parts.join("::")
+}
+
+pub(crate) fn read(path: &Path) -> Result<SourceText, Error> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(SourceText { file: path.display().to_string(), text: text.into() }),
+        Err(error) => Err(unreadable(path, &error)),
+    }
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Error {
+    Fault::new(Cause::File, format!("`{}` cannot be read: {error}", path.display()))
+        .note("check the path and its permissions")
+        .into()
+}
+
+/// A `wesl.toml`, as <https://wesl-lang.dev/spec/WeslToml> has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct Config {
+    #[serde(rename = "edition")]
+    _edition: Edition,
+    #[serde(rename = "package-manager", default)]
+    _package_manager: Option<String>,
+    #[serde(default = "default_root")]
+    root: PathBuf,
+    #[serde(default = "default_include")]
+    include: Vec<String>,
+    #[serde(default)]
+    exclude: Vec<String>,
+    #[serde(default)]
+    dependencies: BTreeMap<String, DependencyConfig>,
+}
+
+#[derive(Debug, Deserialize)]
+enum Edition {
+    #[serde(rename = "2026_pre", alias = "unstable_2025")]
+    Pre2026,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DependencyConfig {
+    package: Option<String>,
+    path: Option<PathBuf>,
+}
+
+fn default_root() -> PathBuf {
+    "shaders".into()
+}
+
+fn default_include() -> Vec<String> {
+    vec!["**/*.wesl".to_owned(), "**/*.wgsl".to_owned()]
+}
+
+impl Config {
+    /// A folder without a `wesl.toml` is a package all the same: its root is the folder itself.
+    fn load(dir: &Path) -> Result<Self, Error> {
+        let path = dir.join("wesl.toml");
+        if !path.exists() {
+            return Ok(Self {
+                _edition: Edition::Pre2026,
+                _package_manager: None,
+                root: ".".into(),
+                include: default_include(),
+                exclude: Vec::new(),
+                dependencies: BTreeMap::new(),
+            });
+        }
+        let source = read(&path)?;
+        // The specification has the fields in a table `package`, the tools that exist at the top.
+        let flat = toml::from_str::<toml::Table>(&source.text).map(|mut table| {
+            if let Some(toml::Value::Table(package)) = table.remove("package") {
+                table.extend(package);
+            }
+            table
+        });
+        flat.and_then(toml::Table::try_into).map_err(|error| {
+            let message = format!("not a valid wesl.toml: {}", error.message());
+            let fault = Fault::new(Cause::File, message);
+            match error.span() {
+                Some(range) => fault.at(source.place(range)),
+                None => fault.in_file(&source.file, 1, 1),
+            }
+            .into()
+        })
+    }
+
+    fn dependencies(&self, dir: &Path) -> BTreeMap<String, Dependency> {
+        let named = self.dependencies.iter().map(|(name, config)| {
+            let package = config.package.clone().unwrap_or_else(|| name.clone());
+            let path = config.path.as_ref().map(|path| dir.join(path));
+            (name.clone(), Dependency { package, path })
+        });
+        named.collect()
+    }
+
+    fn globs(&self, dir: &Path) -> Result<(GlobSet, GlobSet), Error> {
+        let build = |patterns: &[String]| {
+            let mut set = GlobSetBuilder::new();
+            for pattern in patterns {
+                set.add(Glob::new(pattern.trim_start_matches("./"))?);
+            }
+            set.build()
+        };
+        let set = |patterns: &[String]| {
+            build(patterns).map_err(|error| {
+                let file = dir.join("wesl.toml").display().to_string();
+                Error::from(Fault::new(Cause::File, format!("{error}")).in_file(file, 1, 1))
+            })
+        };
+        // A folder that wesl.toml leaves out need not be walked.
+        let exclude: Vec<_> = self
+            .exclude
+            .iter()
+            .flat_map(|pattern| [pattern.clone(), format!("{}/**", pattern.trim_end_matches('/'))])
+            .collect();
+        Ok((set(&self.include)?, set(&exclude)?))
+    }
+}
+
+impl SourceText {
+    pub(crate) fn place(&self, range: std::ops::Range<usize>) -> crate::error::Place<'_> {
+        crate::error::Place { file: &self.file, text: &self.text, range, label: String::new() }
+    }
+}

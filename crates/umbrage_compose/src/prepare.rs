@@ -1,0 +1,152 @@
+//! A module made ready for naga: what is disabled blanked out, paths made names, and stand-ins
+//! appended for what it takes from others.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Range,
+    sync::Arc,
+};
+
+use wgsl_parse::lexer::Token;
+
+use crate::{
+    Fault, Library,
+    features::{Consulted, Features},
+    names::{self, Item, Meaning, Translations, declared},
+    stubs::{self, JOINT, Stubs},
+    translate::{Translated, translate},
+};
+
+/// A module's text, ready for naga.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    /// The author's text, every byte that stays in its place, then the stand-ins.
+    pub(crate) text: String,
+    /// How much of it is the author's.
+    pub(crate) own: usize,
+    pub(crate) stubs: Stubs,
+    /// What the module itself names of others, in a fixed order.
+    pub(crate) wanted: Vec<Item>,
+    /// Names of its own declarations and of those in scope.
+    pub(crate) known: Vec<String>,
+    /// What its own declarations are called.
+    pub(crate) declared: Vec<String>,
+    /// The features that the text depends on.
+    pub(crate) consulted: Consulted,
+}
+
+/// Prepares `module` under `features`.
+pub(crate) fn prepare(
+    library: &Library,
+    module: usize,
+    features: &Features<'_>,
+) -> Result<Prepared, Fault> {
+    let mut translations = Cached { library, features, done: HashMap::new(), consulted: Consulted::default() };
+    let translated = translations.translated(module)?;
+    let scope = names::imports(library, module, &translated, &mut translations)?;
+    let mut wanted: BTreeMap<String, Item> = BTreeMap::new();
+    for (name, meaning) in &scope {
+        if let Meaning::Item(item) = meaning {
+            wanted.insert(name.clone(), item.clone());
+        }
+    }
+    let source = library.source(module);
+    let mut text = source.text.as_bytes().to_vec();
+    for range in &translated.blanks {
+        for byte in &mut text[range.clone()] {
+            if *byte != b'\n' {
+                *byte = b' ';
+            }
+        }
+    }
+    for path in written_paths(&library.syntax(module)?.tokens, &translated.blanks) {
+        let segments: Vec<_> = path.segments.iter().map(|range| &source.text[range.clone()]).collect();
+        let item = names::written_path(library, source, &scope, &segments, &mut translations)
+            .map_err(|fault| match fault.locations.is_empty() {
+                true => fault.at(source.place(path.range.clone())),
+                false => fault,
+            })?;
+        // Spaces within a path are rare, but the name must be one word all the same.
+        for byte in &mut text[path.range.clone()] {
+            if byte.is_ascii_whitespace() {
+                *byte = b'_';
+            }
+        }
+        for joint in &path.joints {
+            text[joint.clone()].copy_from_slice(JOINT.as_bytes());
+        }
+        let name = String::from_utf8_lossy(&text[path.range.clone()]).into_owned();
+        wanted.insert(name, item);
+    }
+    let stubs = stubs::build(library, module, &wanted, &mut translations)?;
+    let declared: Vec<_> = translated.declarations.iter().filter_map(|d| declared(d)).collect();
+    // Whole characters were blanked, so this changes nothing.
+    let mut text = String::from_utf8_lossy(&text).into_owned();
+    let own = text.len();
+    text.push('\n');
+    text.push_str(&stubs.text);
+    let mut items: Vec<_> = wanted.values().cloned().collect();
+    items.sort();
+    items.dedup();
+    Ok(Prepared {
+        known: declared.iter().chain(scope.keys()).cloned().collect(),
+        declared,
+        text,
+        own,
+        stubs,
+        wanted: items,
+        consulted: translations.consulted,
+    })
+}
+
+/// Translations under some features, each made once, and what they consulted.
+struct Cached<'a> {
+    library: &'a Library,
+    features: &'a Features<'a>,
+    done: HashMap<usize, Arc<Translated>>,
+    consulted: Consulted,
+}
+
+impl Translations for Cached<'_> {
+    fn translated(&mut self, module: usize) -> Result<Arc<Translated>, Fault> {
+        if let Some(done) = self.done.get(&module) {
+            return Ok(done.clone());
+        }
+        let source = self.library.source(module);
+        let translated = Arc::new(translate(source, self.library.syntax(module)?, self.features)?);
+        self.consulted.union(&translated.consulted);
+        self.done.insert(module, translated.clone());
+        Ok(translated)
+    }
+}
+
+/// A path written in code, such as `package::common::math::square`.
+struct WrittenPath {
+    range: Range<usize>,
+    segments: Vec<Range<usize>>,
+    joints: Vec<Range<usize>>,
+}
+
+fn written_paths(tokens: &[(Token, Range<usize>)], blanks: &[Range<usize>]) -> Vec<WrittenPath> {
+    let mut paths = Vec::new();
+    let mut index = 0;
+    while index + 2 < tokens.len() {
+        let start = &tokens[index].1;
+        let blank = blanks.iter().any(|blank| blank.start <= start.start && start.end <= blank.end);
+        if blank || tokens[index + 1].0 != Token::SymColonColon {
+            index += 1;
+            continue;
+        }
+        let mut path =
+            WrittenPath { range: start.clone(), segments: vec![start.clone()], joints: Vec::new() };
+        while index + 2 < tokens.len() && tokens[index + 1].0 == Token::SymColonColon {
+            path.joints.push(tokens[index + 1].1.clone());
+            path.segments.push(tokens[index + 2].1.clone());
+            index += 2;
+        }
+        path.range.end = tokens[index].1.end;
+        paths.push(path);
+        index += 1;
+    }
+    paths
+}
