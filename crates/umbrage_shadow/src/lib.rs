@@ -1,19 +1,162 @@
 //! What a shadow method is, as plain data: no GPU, no shader, no scene format.
 //!
-//! (crate page: written last)
+//! # The model
+//! A *caster* throws shadow, a *receiver* shows it. A light asks one question of whatever computes
+//! its shadow, the *shadow term* at a point: 1 where the light arrives, 0 in full shadow. A *method* is
+//! a way to answer. It has two halves that share a name:
+//!
+//! - a shader module that implements the interface `calc_shadow(position_ws) -> f32`, in the shader
+//!   library, chosen on its axis `method`;
+//! - a [`ShadowMethod`], which says each frame what has to be drawn before that shader can run.
+//!
+//! Three parties meet in [`ShadowMethod::plan`]. The renderer knows the scene and brings a [`Frame`]:
+//! the [`View`], the [`Light`], bounds of casters and receivers, and what the scene chose for the
+//! method. The method answers with a [`ShadowPlan`]: textures, samplers, passes, and the constants that
+//! its shader reads. The shader reads textures, samplers and constants by the names of their bindings,
+//! and nothing else ties the halves together. A [`Registry`] joins methods and renderer; neither sees
+//! the other's crate.
+//!
+//! # Why the trait has its shape
+//! - **A plan is data.** It is a pure function of the frame, so a method is tested without a GPU, a
+//!   plan can be printed, compared and counted, and only one crate drives wgpu.
+//! - **A plan is whole.** It names its textures every frame; the renderer keeps those that did not
+//!   change. So a method has no life cycle: nothing to create, resize or drop.
+//! - **Constants go by name.** A permutation that does not need a member has no room for it, and two
+//!   permutations may lay the same members out differently. Only the linked shader knows, so only the
+//!   renderer places bytes.
+//! - **Settings are numbers, axes are choices.** A setting ends in constants and sizes: changing it
+//!   costs a frame. An axis ends in another shader: changing it costs a permutation.
+//! - **Boxes, not triangles.** Fitting a map needs bounds; what a method wants of triangles it asks for
+//!   as a pass.
+//!
+//! # A tiny method
+//! All that a directional light needs, with one map around everything:
+//!
+//! ```
+//! use glam::DVec3;
+//! use umbrage_shadow::*;
+//! use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
+//!
+//! struct Whole;
+//!
+//! impl ShadowMethod for Whole {
+//!     fn name(&self) -> &str {
+//!         "whole"
+//!     }
+//!     fn settings(&self) -> &[Setting] {
+//!         &[]
+//!     }
+//!     fn axes(&self) -> &[&str] {
+//!         &[]
+//!     }
+//!     fn supports(&self, light: &Light) -> Support {
+//!         match light.kind {
+//!             LightKind::Directional { .. } => Support::Yes,
+//!             _ => Support::No("only directional lights have one map".into()),
+//!         }
+//!     }
+//!     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
+//!         frame.validate()?;
+//!         let LightKind::Directional { direction } = frame.light.kind else {
+//!             return Err(PlanError::Unsupported {
+//!                 method: self.name().into(),
+//!                 reason: "only directional lights have one map".into(),
+//!             });
+//!         };
+//!         // Relative to the camera first, in f64: then nothing is far away.
+//!         let boxes = frame.casters.casters.iter().chain(frame.casters.receivers);
+//!         let corners: Vec<DVec3> =
+//!             boxes.flat_map(|b| b.translate(-frame.view.position).corners()).collect();
+//!         let lens = Lens::directional(direction);
+//!         let places = || corners.iter().map(|p| lens.place(*p));
+//!         let Some(rect) = Rect::from_points(places().map(|(xy, _)| xy)) else {
+//!             return Ok(ShadowPlan::default());
+//!         };
+//!         let near = places().map(|(_, z)| z).fold(f64::INFINITY, f64::min) - 1.0;
+//!         let far = places().map(|(_, z)| z).fold(f64::NEG_INFINITY, f64::max) + 1.0;
+//!         let view_proj = lens.matrix(&rect, near, far).as_mat4();
+//!         Ok(ShadowPlan {
+//!             textures: vec![TextureDesc {
+//!                 name: "whole_map".into(),
+//!                 format: TextureFormat::Depth32Float,
+//!                 width: 1024,
+//!                 height: 1024,
+//!                 shape: TextureShape::D2,
+//!             }],
+//!             samplers: vec![SamplerDesc {
+//!                 name: "whole_sampler".into(),
+//!                 filter: FilterMode::Linear,
+//!                 compare: Some(CompareFunction::GreaterEqual),
+//!             }],
+//!             passes: vec![Pass::Casters(CasterPass {
+//!                 target: "whole_map".into(),
+//!                 layer: 0,
+//!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
+//!                 clear: Some(0.0),
+//!                 depth_test: DepthTest {
+//!                     compare: CompareFunction::GreaterEqual,
+//!                     unclipped: false,
+//!                 },
+//!                 cull: None,
+//!                 view_proj,
+//!                 casters: (0..frame.casters.casters.len()).collect(),
+//!             })],
+//!             constants: Constants::new().with("view_proj", Value::Mat4(view_proj)),
+//!             fetches_per_pixel: 1,
+//!         })
+//!     }
+//! }
+//!
+//! let mut registry = Registry::new();
+//! registry.register(Whole)?;
+//! assert_eq!(registry.get("whole")?.name(), "whole");
+//! # Ok::<(), RegistryError>(())
+//! ```
+//!
+//! [`Lens`] and [`overlap`] fit a map to less than everything.
+//!
+//! # Does it hold what comes later?
+//! The hardest method in sight is resolution-matched shadow maps (Lefohn et al. 2007): a quadtree of
+//! shadow pages as fine as the pixels that read them. On paper:
+//!
+//! 1. Each pixel finds its page (s, t and level), neighbours drop what they share, and the list is
+//!    compacted, sorted and made unique: compute passes over the view's depth. `Pass` (non-exhaustive)
+//!    gains `Compute`, which names a shader module, its grid, and textures and buffers of the plan.
+//! 2. The list goes to the CPU: a compute pass names a buffer to read back, and `Frame` gains a
+//!    feedback field that holds what came back from an earlier plan, of a frame or more ago. `plan`
+//!    stays pure: what it learns arrives as an argument. (The paper waits for the list in the same
+//!    frame; there, a first plan ends at the read-back, and a second one goes on from it.)
+//! 3. The CPU allocates pages and bins them into super-pages: that is `plan`. Its answer is a
+//!    [`CasterPass`] for each super-page, into a pool, through [`viewport`](CasterPass::viewport) and
+//!    matrix; the page table is one more texture, filled by a compute pass.
+//! 4. `calc_shadow` reads the table and then the pool: two bindings, by name.
+//!
+//! Which pages are resident is remembered between frames, in the feedback that the renderer keeps with
+//! the light, and not in the method. Nothing in the trait changes. Blurred moments (VSM, EVSM, MSM) are
+//! compute or full-screen passes; perspective and light-space perspective maps are another `view_proj`
+//! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
 
+mod bounds;
 mod constants;
+mod fit;
+mod lens;
 mod light;
 mod method;
+mod names;
 mod plan;
+mod registry;
 mod settings;
 mod view;
 
+pub use bounds::{Aabb, Frustum};
 pub use constants::{Constants, Value};
+pub use fit::overlap;
+pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
 pub use plan::{
     CasterPass, DepthTest, Pass, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
+pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
-pub use view::{Aabb, Frustum, Projection, View};
+pub use view::{Projection, View};

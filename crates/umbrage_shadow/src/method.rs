@@ -1,10 +1,17 @@
 //! The trait.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt::Display};
 
 use crate::{Aabb, Light, Setting, Settings, ShadowPlan, View};
 
-/// A shadow algorithm.
+/// A shadow algorithm, for any light and any view: how the crate page's three parties meet.
+///
+/// # Units and spaces
+/// A [`Frame`] is in world space: metres, right-handed, y up, f64. The plan is in *camera-relative*
+/// space (world axes, metres from [`View::position`]), which is what shaders see, so that f32 is as
+/// exact a thousand kilometres from the origin as it is there: subtract the view's position in f64,
+/// multiply matrices in f64, and cast last. Clip space is WebGPU's. Settings give lengths in texels or
+/// metres, never in normalised depth.
 pub trait ShadowMethod: Send + Sync {
     /// The method's name: its value on the shader library's axis `method`, and its name in scenes.
     fn name(&self) -> &str;
@@ -15,13 +22,20 @@ pub trait ShadowMethod: Send + Sync {
     /// The axes of the shader library that belong to this method: what a scene may choose for it.
     fn axes(&self) -> &[&str];
 
-    /// Whether the method can shadow `light`.
+    /// Whether the method can shadow `light`. Asked before a plan, so that a scene's fault is told
+    /// when the scene is read and not in some later frame.
     fn supports(&self, light: &Light) -> Support;
 
-    /// What to draw this frame. A pure function of `frame`.
+    /// What to draw this frame. A pure function of `frame`: the same frame has the same plan, and
+    /// nothing is remembered between frames.
+    ///
+    /// A plan leaves nothing undefined that its shader reads: each part of a texture is drawn or
+    /// cleared by a pass of this plan, or the constants keep the shader away from it.
     ///
     /// # Errors
-    /// Where the frame asks for what the method cannot do.
+    /// [`PlanError::Unsupported`] where [`supports`](Self::supports) says no;
+    /// [`PlanError::Invalid`] where [`Frame::validate`] finds a fault, or a setting or an axis of
+    /// the method's is missing. Never because a scene is empty, tiny, huge or badly placed.
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError>;
 }
 
@@ -58,6 +72,33 @@ pub struct Casters<'a> {
     pub receivers: &'a [Aabb],
 }
 
+impl Frame<'_> {
+    /// Checks the view, the light and the bounds: what every method wants before it plans.
+    ///
+    /// # Errors
+    /// The first fault of [`View::validate`] or [`Light::validate`], or a box that is not finite.
+    pub fn validate(&self) -> Result<(), PlanError> {
+        self.view.validate()?;
+        self.light.validate()?;
+        let kinds = [
+            ("caster", self.casters.casters),
+            ("receiver", self.casters.receivers),
+        ];
+        for (kind, boxes) in kinds {
+            for (i, aabb) in boxes.iter().enumerate() {
+                if !aabb.is_finite() {
+                    return Err(PlanError::Invalid {
+                        what: format!("the box of {kind} {i}"),
+                        value: format!("{} to {}", aabb.min, aabb.max),
+                        expected: "finite, and its corners in order".to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Why a method could not plan.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -80,4 +121,27 @@ pub enum PlanError {
         /// What is asked for.
         expected: String,
     },
+}
+
+impl PlanError {
+    /// [`PlanError::Invalid`] unless `holds`: `what` (a lowercase fragment) is `value`, but must be
+    /// `expected`.
+    ///
+    /// # Errors
+    /// Where `holds` is false.
+    pub fn check(
+        holds: bool,
+        what: &str,
+        value: impl Display,
+        expected: &str,
+    ) -> Result<(), PlanError> {
+        if holds {
+            return Ok(());
+        }
+        Err(Self::Invalid {
+            what: what.to_owned(),
+            value: value.to_string(),
+            expected: expected.to_owned(),
+        })
+    }
 }

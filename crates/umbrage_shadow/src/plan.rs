@@ -86,9 +86,10 @@ pub struct CasterPass {
     pub viewport: Viewport,
     /// The depth that the layer is cleared to first; none keeps what it holds.
     pub clear: Option<f32>,
-    /// How depths are compared.
+    /// How depths are compared. Reversed depth (1 near, 0 far) is cleared to 0 and keeps what is
+    /// `GreaterEqual`.
     pub depth_test: DepthTest,
-    /// Which faces are left out.
+    /// Which faces are left out. A cube's faces are mirrored: there, front and back change places.
     pub cull: Option<Face>,
     /// World (camera-relative) to clip space.
     pub view_proj: Mat4,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::names::{nearest, suggestion};
+
 /// A number that a method lets a scene choose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
@@ -28,7 +30,7 @@ pub struct Settings(BTreeMap<&'static str, f64>);
 #[non_exhaustive]
 pub enum SettingsError {
     /// No such setting.
-    #[error("no setting `{name}` (known: {known}){}", .nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+    #[error("no setting `{name}` (known: {known}){}", suggestion(.nearest))]
     Unknown {
         /// As written.
         name: String,
@@ -66,16 +68,10 @@ impl Settings {
         for (name, value) in chosen {
             let Some(setting) = known.iter().find(|s| s.name == name) else {
                 let names: Vec<_> = known.iter().map(|s| s.name).collect();
-                let nearest = names
-                    .iter()
-                    .map(|known| (strsim::jaro_winkler(name, known), known))
-                    .filter(|(score, _)| *score > 0.8)
-                    .max_by(|a, b| a.0.total_cmp(&b.0))
-                    .map(|(_, known)| (*known).to_owned());
                 return Err(SettingsError::Unknown {
                     name: name.to_owned(),
                     known: names.join(", "),
-                    nearest,
+                    nearest: nearest(name, names),
                 });
             };
             let whole = !setting.whole || value.fract() == 0.0;
@@ -83,7 +79,11 @@ impl Settings {
                 return Err(SettingsError::Value {
                     name: setting.name,
                     value,
-                    what: if setting.whole { "a whole number" } else { "a number" },
+                    what: if setting.whole {
+                        "a whole number"
+                    } else {
+                        "a number"
+                    },
                     min: setting.min,
                     max: setting.max,
                 });
@@ -96,5 +96,44 @@ impl Settings {
     /// The value of `name`; NaN where the method has no such setting.
     pub fn get(&self, name: &str) -> f64 {
         self.0.get(name).copied().unwrap_or(f64::NAN)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KNOWN: [Setting; 1] = [Setting {
+        name: "resolution",
+        doc: "texels",
+        min: 1.0,
+        max: 64.0,
+        default: 8.0,
+        whole: true,
+    }];
+
+    fn check(name: &str, value: f64) -> Result<f64, String> {
+        let settings = Settings::check(&KNOWN, [(name, value)]).map_err(|e| e.to_string())?;
+        Ok(settings.get("resolution"))
+    }
+
+    #[test]
+    fn what_is_chosen_is_checked() {
+        assert_eq!(
+            Settings::check(&KNOWN, []).map(|s| s.get("resolution")),
+            Ok(8.0)
+        );
+        assert_eq!(check("resolution", 64.0), Ok(64.0));
+        let range = "must be a whole number from 1 to 64";
+        for value in [0.0, 65.0, 2.5, f64::NAN] {
+            assert_eq!(
+                check("resolution", value),
+                Err(format!("`resolution` is {value}, but {range}"))
+            );
+        }
+        assert_eq!(
+            check("resolutoin", 4.0),
+            Err("no setting `resolutoin` (known: resolution); did you mean `resolution`?".into())
+        );
     }
 }
