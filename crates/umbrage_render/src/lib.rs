@@ -1,1 +1,34 @@
-//! umbrage_render
+//! Renders shadowed scenes through wgpu: the only library crate that drives a device.
+//!
+//! A [`Scene`] is plain data in f64, loaded from a scene file or a glTF model. A [`Renderer`] turns
+//! it into a [`Rendered`] picture, or into the bare shadow term of each light:
+//!
+//! 1. What the camera may see is found, and for each light what of it the light may reach.
+//! 2. For each light that has a shadow method, the method plans, and the plan is executed: casters
+//!    into shadow maps.
+//! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up.
+//!
+//! Which shaders that takes is decided object by object: a permutation is composed when an object
+//! that needs it first lies in the region of a light, and never before. Layouts of bind groups,
+//! uniform blocks and vertex inputs come from what the linker says of the permutation; the renderer
+//! knows bindings by name alone. It knows no shadow method either: those come from a registry.
+//!
+//! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
+//! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
+
+mod error;
+mod gpu;
+mod pack;
+mod picture;
+mod renderer;
+mod scene;
+
+pub use error::RenderError;
+pub use gpu::{Gpu, GpuError};
+pub use pack::{PackError, pack};
+pub use picture::{PermutationUse, Picture, Rendered, Report};
+pub use renderer::{RenderOptions, Renderer, What};
+pub use scene::{
+    Camera, Image, Level, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Texture,
+    Wrap,
+};

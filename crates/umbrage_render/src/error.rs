@@ -1,0 +1,132 @@
+//! Why a scene could not be rendered.
+
+use std::{io, path::PathBuf};
+
+use umbrage_shadow::{PlanError, RegistryError, SettingsError};
+
+use crate::GpuError;
+
+/// Why a scene could not be rendered: what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A picture of no pixels, or of more than the device can render.
+    #[error(
+        "a picture of {width} by {height} pixels cannot be rendered; each side must be from 1 to {limit}"
+    )]
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// The longest side.
+        limit: u32,
+    },
+    /// The device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A permutation could not be composed.
+    #[error(transparent)]
+    Compose(#[from] umbrage_compose::Error),
+    /// A light names a method that does not exist.
+    #[error("light `{light}`: {source}; change its method in the scene")]
+    UnknownMethod {
+        /// The light.
+        light: String,
+        /// Why.
+        source: RegistryError,
+    },
+    /// A choice of an axis that does not exist, or that is not to be chosen there.
+    #[error("{place} chooses `{axis}`, {problem}")]
+    Axis {
+        /// Who chooses.
+        place: String,
+        /// The axis.
+        axis: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A light's settings were refused by its method.
+    #[error("light `{light}`, method `{method}`: {source}; change the setting in the scene")]
+    Settings {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// Why.
+        source: SettingsError,
+    },
+    /// A method cannot shadow a light.
+    #[error(
+        "method `{method}` cannot shadow light `{light}`: {reason}; choose another method for it"
+    )]
+    Unsupported {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// Why.
+        reason: String,
+    },
+    /// A method could not plan.
+    #[error("light `{light}`: {source}")]
+    Plan {
+        /// The light.
+        light: String,
+        /// Why.
+        source: PlanError,
+    },
+    /// A method's plan asks for what cannot be done: the method is at fault.
+    #[error(
+        "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"
+    )]
+    BadPlan {
+        /// The method.
+        method: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A permutation reads what the renderer or a method does not give it.
+    #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]
+    Binding {
+        /// The permutation.
+        key: String,
+        /// The binding.
+        binding: String,
+        /// The module that declares it.
+        module: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A mesh's arrays do not fit each other.
+    #[error("the mesh of object `{object}` cannot be drawn: {problem}")]
+    Mesh {
+        /// The object.
+        object: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The picture cannot be written.
+    #[error("cannot write {}: {source}; choose a folder that exists and may be written to", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl RenderError {
+    pub(crate) fn binding(
+        key: &umbrage_compose::Key,
+        binding: &umbrage_compose::Binding,
+        problem: impl ToString,
+    ) -> Self {
+        Self::Binding {
+            key: key.to_string(),
+            binding: binding.name.clone(),
+            module: binding.module.clone(),
+            problem: problem.to_string(),
+        }
+    }
+}

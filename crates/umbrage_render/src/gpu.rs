@@ -1,0 +1,218 @@
+//! The device: headless, Vulkan, WebGPU's baseline and its default limits.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pollster::block_on;
+
+/// A device to render with, without a window.
+pub struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    adapter: String,
+    stray: Arc<Mutex<Vec<String>>>,
+}
+
+/// Why the device could not be had, or refused work.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No adapter.
+    #[error(
+        "no Vulkan adapter was found ({0}); install a driver, on Debian \
+         `apt-get install mesa-vulkan-drivers libvulkan1`, whose software renderer needs no graphics card"
+    )]
+    NoAdapter(String),
+    /// The adapter gives no device.
+    #[error(
+        "the adapter `{adapter}` gives no device with WebGPU's default limits: {reason}; update its driver"
+    )]
+    NoDevice {
+        /// The adapter.
+        adapter: String,
+        /// Why, in the driver's words.
+        reason: String,
+    },
+    /// The device has no memory left.
+    #[error("the device is out of memory; render a smaller picture, or smaller shadow maps")]
+    OutOfMemory,
+    /// The device refused a command or a resource.
+    #[error("the device refused the work: {0}")]
+    Refused(String),
+    /// Something is larger than the device allows.
+    #[error("{what} has {size}, but the device allows from 1 to {limit}; change its size")]
+    TooLarge {
+        /// What.
+        what: String,
+        /// Its size, with the unit.
+        size: String,
+        /// The most allowed.
+        limit: u64,
+    },
+}
+
+impl Gpu {
+    /// Opens the machine's Vulkan adapter; the software renderer will do.
+    ///
+    /// # Errors
+    /// No adapter, or one below WebGPU's baseline.
+    pub fn new() -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .map_err(|error| GpuError::NoAdapter(error.to_string()))?;
+        let name = adapter.get_info().name;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("umbrage"),
+            ..Default::default()
+        };
+        let (device, queue) =
+            block_on(adapter.request_device(&descriptor)).map_err(|error| GpuError::NoDevice {
+                adapter: name.clone(),
+                reason: error.to_string(),
+            })?;
+        // Left alone, wgpu panics on an error that no scope catches.
+        let stray = Arc::new(Mutex::new(Vec::new()));
+        let list = Arc::clone(&stray);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            list.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(error.to_string());
+        }));
+        Ok(Self {
+            device,
+            queue,
+            adapter: name,
+            stray,
+        })
+    }
+
+    /// The adapter's name.
+    pub fn adapter(&self) -> &str {
+        &self.adapter
+    }
+
+    /// Does `work`, and gives the first error that the device found in it.
+    pub(crate) fn check<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let scopes = [OutOfMemory, Internal, Validation].map(|f| self.device.push_error_scope(f));
+        let done = work();
+        let mut found = None;
+        for scope in scopes.into_iter().rev() {
+            let error = block_on(scope.pop());
+            found = found.or(error);
+        }
+        let stray = std::mem::take(&mut *self.stray.lock().unwrap_or_else(PoisonError::into_inner));
+        match (found, stray.into_iter().next()) {
+            (Some(wgpu::Error::OutOfMemory { .. }), _) => Err(GpuError::OutOfMemory),
+            (Some(error), _) => Err(GpuError::Refused(one_line(&error.to_string()))),
+            (None, Some(stray)) => Err(GpuError::Refused(one_line(&stray))),
+            (None, None) => Ok(done),
+        }
+    }
+
+    /// A buffer that holds `bytes`; `what` names it in an error.
+    pub(crate) fn buffer(
+        &self,
+        what: &str,
+        usage: wgpu::BufferUsages,
+        bytes: &[u8],
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let limits = self.device.limits();
+        let limit = if usage.contains(wgpu::BufferUsages::UNIFORM) {
+            limits.max_uniform_buffer_binding_size
+        } else if usage.contains(wgpu::BufferUsages::STORAGE) {
+            limits.max_storage_buffer_binding_size
+        } else {
+            limits.max_buffer_size
+        };
+        // Copies come in words of four bytes.
+        let mut bytes = std::borrow::Cow::Borrowed(bytes);
+        if bytes.is_empty() || bytes.len() % 4 != 0 {
+            let padded = bytes.len().div_ceil(4).max(1) * 4;
+            bytes.to_mut().resize(padded, 0);
+        }
+        let size = bytes.len() as u64;
+        if size > limit {
+            return Err(GpuError::TooLarge {
+                what: what.to_owned(),
+                size: format!("{size} bytes"),
+                limit,
+            });
+        }
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(what),
+            size,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, &bytes);
+        Ok(buffer)
+    }
+
+    /// A texture; `what` names it in an error.
+    pub(crate) fn texture(
+        &self,
+        what: &str,
+        size: wgpu::Extent3d,
+        levels: u32,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> Result<wgpu::Texture, GpuError> {
+        let limit = self.device.limits().max_texture_dimension_2d;
+        if size.width == 0 || size.height == 0 || size.width > limit || size.height > limit {
+            return Err(GpuError::TooLarge {
+                what: what.to_owned(),
+                size: format!("{} by {} texels", size.width, size.height),
+                limit: limit.into(),
+            });
+        }
+        Ok(self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(what),
+            size,
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        }))
+    }
+}
+
+/// An error's text as one paragraph.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_device_refuses_is_an_error() {
+        let gpu = Gpu::new().expect("an adapter");
+        assert!(!gpu.adapter().is_empty());
+        let work = || {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                anisotropy_clamp: 0,
+                ..Default::default()
+            })
+        };
+        assert!(matches!(gpu.check(work), Err(GpuError::Refused(_))));
+        assert!(gpu.check(|| ()).is_ok());
+        let size = wgpu::Extent3d {
+            width: 1 << 20,
+            height: 1,
+            depth_or_array_layers: 1,
+        };
+        let format = wgpu::TextureFormat::R32Float;
+        let texture = gpu.texture("a map", size, 1, format, wgpu::TextureUsages::COPY_DST);
+        let message = texture.expect_err("too large").to_string();
+        assert!(
+            message.contains("a map has 1048576 by 1 texels"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,193 @@
+//! What comes out of a rendering.
+
+use std::{io::Cursor, path::Path};
+
+use umbrage_compose::{Key, Source};
+
+use crate::{RenderError, scene::encode_srgb};
+
+/// A rendered picture, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// The pixels.
+    pub picture: Picture,
+    /// The adapter that rendered it.
+    pub adapter: String,
+    /// How it came about.
+    pub report: Report,
+}
+
+/// Pixels, by rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Picture {
+    /// Linear RGB.
+    Shaded(Vec<[f32; 3]>),
+    /// For each light its shadow term: 1 lit, 0 in shadow; 1 where there is nothing to see.
+    ShadowTerm(Vec<Vec<f32>>),
+}
+
+/// How a picture came about.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// The distinct permutations that it needed, in the order in which they were first needed.
+    pub permutations: Vec<PermutationUse>,
+    /// What a person should know, such as a damaged cache entry that was dropped.
+    pub warnings: Vec<String>,
+    /// Render passes.
+    pub passes: u32,
+    /// Draw calls.
+    pub draws: u32,
+    /// Texels in the textures of shadow methods.
+    pub texels: u64,
+    /// Wall-clock time from the scene to the pixels in memory; milliseconds.
+    pub milliseconds: f64,
+}
+
+/// A permutation that a picture needed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PermutationUse {
+    /// Its projected key.
+    pub key: Key,
+    /// Whether it was linked for this picture, or came from a cache.
+    pub source: Source,
+    /// The object that first needed it.
+    pub object: String,
+    /// The light that first needed it, where one did.
+    pub light: Option<String>,
+}
+
+impl Report {
+    /// How many permutations were linked for this picture.
+    pub fn composed(&self) -> usize {
+        self.permutations
+            .iter()
+            .filter(|used| used.source == Source::Linked)
+            .count()
+    }
+
+    /// How many permutations came from a cache.
+    pub fn cached(&self) -> usize {
+        self.permutations.len() - self.composed()
+    }
+}
+
+impl Rendered {
+    /// The picture in 8 bits, as [`save_png`](Self::save_png) writes it: a shaded one in RGB, clamped
+    /// to 0..1 without exposure or tone mapping and encoded as sRGB; a shadow term as grey, the
+    /// product over the lights, not encoded: code 255 is lit.
+    pub fn to_image(&self) -> image::DynamicImage {
+        let index = |x: u32, y: u32| y as usize * self.width as usize + x as usize;
+        match &self.picture {
+            Picture::Shaded(pixels) => image::RgbImage::from_fn(self.width, self.height, |x, y| {
+                let pixel = pixels.get(index(x, y)).copied().unwrap_or_default();
+                image::Rgb(pixel.map(encode_srgb))
+            })
+            .into(),
+            Picture::ShadowTerm(lights) => {
+                image::GrayImage::from_fn(self.width, self.height, |x, y| {
+                    let terms = lights.iter().filter_map(|light| light.get(index(x, y)));
+                    let product: f32 = terms.product();
+                    image::Luma([(product.clamp(0.0, 1.0) * 255.0).round() as u8])
+                })
+                .into()
+            }
+        }
+    }
+
+    /// Writes the picture as PNG. The file appears whole or not at all.
+    ///
+    /// # Errors
+    /// A folder that is missing or cannot be written to.
+    pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
+        let path = path.as_ref();
+        let unwritable = |source| RenderError::Unwritable {
+            path: path.to_owned(),
+            source,
+        };
+        let mut bytes = Vec::new();
+        self.to_image()
+            .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
+            .map_err(|error| unwritable(std::io::Error::other(error)))?;
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        // Beside the target, so that the last step is a rename within one file system.
+        let file = tempfile::NamedTempFile::new_in(folder).map_err(unwritable)?;
+        std::fs::write(file.path(), &bytes).map_err(unwritable)?;
+        allow_reading(file.as_file()).map_err(unwritable)?;
+        file.persist(path)
+            .map_err(|error| unwritable(error.error))?;
+        Ok(())
+    }
+}
+
+/// A temporary file is its owner's alone; a picture is for all whom the folder lets in.
+#[cfg(unix)]
+fn allow_reading(file: &std::fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn allow_reading(_: &std::fs::File) -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rendered(picture: Picture) -> Rendered {
+        let report = Report::default();
+        Rendered {
+            width: 2,
+            height: 1,
+            picture,
+            adapter: String::new(),
+            report,
+        }
+    }
+
+    #[test]
+    fn shaded_pictures_are_clamped_and_encoded() {
+        let image = rendered(Picture::Shaded(vec![
+            [0.0, 0.5, 2.0],
+            [f32::NAN, -1.0, 1.0],
+        ]));
+        assert_eq!(
+            image.to_image().into_rgb8().into_raw(),
+            [0, 188, 255, 0, 0, 255]
+        );
+    }
+
+    #[test]
+    fn shadow_terms_are_multiplied() {
+        let image = rendered(Picture::ShadowTerm(vec![vec![1.0, 0.5], vec![0.5, 0.5]]));
+        assert_eq!(image.to_image().into_luma8().into_raw(), [128, 64]);
+    }
+
+    #[test]
+    fn pictures_are_written_whole_or_not_at_all() {
+        let dir = tempfile::TempDir::new().expect("a folder");
+        let image = rendered(Picture::Shaded(vec![[1.0; 3]; 2]));
+        let path = dir.path().join("a.png");
+        image.save_png(&path).expect("written");
+        assert_eq!(
+            image::open(&path)
+                .expect("a picture")
+                .into_rgb8()
+                .into_raw(),
+            [255; 6]
+        );
+        // A folder stands where the file should go.
+        let error = image.save_png(dir.path()).expect_err("refused").to_string();
+        assert!(error.contains("cannot write"), "{error}");
+        assert!(image.save_png(dir.path().join("gone/a.png")).is_err());
+        assert_eq!(std::fs::read_dir(dir.path()).expect("listed").count(), 1);
+    }
+}

@@ -1,0 +1,165 @@
+//! Meshes and pictures on the device, kept while the scene keeps them.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Weak},
+};
+
+use crate::{
+    Gpu, RenderError,
+    scene::{Image, Level, Mesh, Object, Texture, Wrap},
+};
+
+/// A mesh on the device.
+pub(super) struct GpuMesh {
+    attributes: [wgpu::Buffer; 3],
+    pub(super) indices: wgpu::Buffer,
+    pub(super) count: u32,
+}
+
+impl GpuMesh {
+    /// The buffer of the attribute at `location`.
+    pub(super) fn attribute(&self, location: u32) -> Option<&wgpu::Buffer> {
+        self.attributes.get(location as usize)
+    }
+}
+
+/// What is on the device, by the address of what it was made from. The weak reference keeps the
+/// address from being given to another, and the source from being changed in place.
+#[derive(Default)]
+pub(super) struct Assets {
+    meshes: HashMap<*const Mesh, (Weak<Mesh>, Arc<GpuMesh>)>,
+    images: HashMap<*const Image, (Weak<Image>, wgpu::TextureView)>,
+}
+
+impl Assets {
+    /// Forgets what no scene holds any more.
+    pub(super) fn sweep(&mut self) {
+        self.meshes
+            .retain(|_, (source, _)| source.strong_count() > 0);
+        self.images
+            .retain(|_, (source, _)| source.strong_count() > 0);
+    }
+
+    pub(super) fn mesh(&mut self, gpu: &Gpu, object: &Object) -> Result<Arc<GpuMesh>, RenderError> {
+        let source = &object.mesh;
+        if let Some((_, mesh)) = self.meshes.get(&Arc::as_ptr(source)) {
+            return Ok(Arc::clone(mesh));
+        }
+        let mesh = Arc::new(upload_mesh(gpu, object)?);
+        let entry = (Arc::downgrade(source), Arc::clone(&mesh));
+        self.meshes.insert(Arc::as_ptr(source), entry);
+        Ok(mesh)
+    }
+
+    pub(super) fn image(
+        &mut self,
+        gpu: &Gpu,
+        what: &str,
+        source: &Arc<Image>,
+    ) -> Result<wgpu::TextureView, RenderError> {
+        if let Some((_, view)) = self.images.get(&Arc::as_ptr(source)) {
+            return Ok(view.clone());
+        }
+        let view = upload_image(gpu, what, source)?;
+        let entry = (Arc::downgrade(source), view.clone());
+        self.images.insert(Arc::as_ptr(source), entry);
+        Ok(view)
+    }
+}
+
+fn upload_mesh(gpu: &Gpu, object: &Object) -> Result<GpuMesh, RenderError> {
+    let mesh = &object.mesh;
+    let vertices = mesh.positions.len();
+    let fits = |what: &str, ok: bool| {
+        let problem = format!("its {what} do not fit its {vertices} positions");
+        let object = object.name.clone();
+        if ok {
+            Ok(())
+        } else {
+            Err(RenderError::Mesh { object, problem })
+        }
+    };
+    fits("normals", mesh.normals.len() == vertices)?;
+    fits("texture coordinates", mesh.uvs.len() == vertices)?;
+    fits(
+        "indices",
+        mesh.indices
+            .iter()
+            .all(|index| (*index as usize) < vertices),
+    )?;
+    fits("indices", u32::try_from(mesh.indices.len()).is_ok())?;
+    let what = format!("the mesh of object `{}`", object.name);
+    let vertex = |bytes| gpu.buffer(&what, wgpu::BufferUsages::VERTEX, bytes);
+    Ok(GpuMesh {
+        attributes: [
+            vertex(bytemuck::cast_slice(&mesh.positions))?,
+            vertex(bytemuck::cast_slice(&mesh.normals))?,
+            vertex(bytemuck::cast_slice(&mesh.uvs))?,
+        ],
+        indices: gpu.buffer(
+            &what,
+            wgpu::BufferUsages::INDEX,
+            bytemuck::cast_slice(&mesh.indices),
+        )?,
+        count: mesh.indices.len() as u32,
+    })
+}
+
+fn upload_image(gpu: &Gpu, what: &str, image: &Image) -> Result<wgpu::TextureView, RenderError> {
+    let size = |level: &Level| wgpu::Extent3d {
+        width: level.width,
+        height: level.height,
+        depth_or_array_layers: 1,
+    };
+    let texture = gpu.texture(
+        what,
+        image.levels.first().map(size).unwrap_or_default(),
+        image.levels.len() as u32,
+        wgpu::TextureFormat::Rgba8UnormSrgb,
+        wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+    )?;
+    for (number, level) in image.levels.iter().enumerate() {
+        let target = wgpu::TexelCopyTextureInfo {
+            mip_level: number as u32,
+            ..texture.as_image_copy()
+        };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * level.width),
+            rows_per_image: None,
+        };
+        gpu.queue.write_texture(
+            target,
+            bytemuck::cast_slice(&level.rgba),
+            layout,
+            size(level),
+        );
+    }
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+/// How `texture` is sampled; without one, clamped and smooth.
+pub(super) fn sampler(gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
+    let (wrap, smooth) = texture.map_or(([Wrap::Clamp; 2], true), |texture| {
+        (texture.wrap, texture.smooth)
+    });
+    let [u, v] = wrap.map(|wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    });
+    let magnify = if smooth {
+        wgpu::FilterMode::Linear
+    } else {
+        wgpu::FilterMode::Nearest
+    };
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_u: u,
+        address_mode_v: v,
+        mag_filter: magnify,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}

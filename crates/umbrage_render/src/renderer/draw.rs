@@ -1,0 +1,412 @@
+//! Turns a list of objects into draw commands: composes what they need, binds what it reads.
+
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    ops::Range,
+    sync::Arc,
+};
+
+use glam::{Mat4, Vec3};
+use umbrage_compose::{Binding, BindingKind, Key, Layout, Permutation};
+use umbrage_shadow::{Constants, Value};
+
+use super::{
+    RenderOptions, Renderer,
+    assets::{self, GpuMesh},
+    lights::{self, LightSetup},
+    objects::{Objects, Run},
+    pipelines::{DrawState, Pipeline},
+    shadows::ShadowResources,
+};
+use crate::{
+    PermutationUse, RenderError, Report, pack,
+    scene::{Image, Material, Object},
+};
+
+/// What is being rendered, and what has been found out on the way.
+pub(super) struct FrameState<'a> {
+    pub(super) options: &'a RenderOptions,
+    pub(super) objects: Objects<'a>,
+    pub(super) encoder: wgpu::CommandEncoder,
+    pub(super) report: Report,
+    /// By the full key, so that each is asked for once.
+    composed: BTreeMap<Key, Arc<Permutation>>,
+    /// The array of instances, by the layout of its element.
+    instances: Vec<(Layout, wgpu::Buffer)>,
+}
+
+/// What all draws of one pass share.
+pub(super) struct PassInputs<'a> {
+    /// The value of the axis `pass`.
+    pub(super) pass: &'a str,
+    pub(super) view_proj: Mat4,
+    pub(super) ambient: Vec3,
+    pub(super) light: Option<LightInputs<'a>>,
+    /// With `front` as it is for objects that are not mirrored.
+    pub(super) state: DrawState,
+}
+
+/// The light that a pass is for.
+#[derive(Clone, Copy)]
+pub(super) struct LightInputs<'a> {
+    pub(super) setup: &'a LightSetup<'a>,
+    pub(super) constants: &'a Constants,
+    pub(super) shadow: Option<&'a ShadowResources>,
+}
+
+/// A draw, ready to be recorded.
+pub(super) struct Command {
+    pipeline: Arc<Pipeline>,
+    groups: Vec<Option<wgpu::BindGroup>>,
+    mesh: Arc<GpuMesh>,
+    instances: Range<u32>,
+}
+
+impl<'a> FrameState<'a> {
+    pub(super) fn new(
+        options: &'a RenderOptions,
+        objects: Objects<'a>,
+        encoder: wgpu::CommandEncoder,
+    ) -> Self {
+        Self {
+            options,
+            objects,
+            encoder,
+            report: Report::default(),
+            composed: BTreeMap::new(),
+            instances: Vec::new(),
+        }
+    }
+}
+
+/// Records `commands`.
+pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
+    for command in commands {
+        pass.set_pipeline(&command.pipeline.pipeline);
+        for (group, bound) in command.groups.iter().enumerate() {
+            if let Some(bound) = bound {
+                pass.set_bind_group(group as u32, bound, &[]);
+            }
+        }
+        for (slot, location) in command.pipeline.attributes.iter().enumerate() {
+            if let Some(buffer) = command.mesh.attribute(*location) {
+                pass.set_vertex_buffer(slot as u32, buffer.slice(..));
+            }
+        }
+        pass.set_index_buffer(command.mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..command.mesh.count, 0, command.instances.clone());
+    }
+}
+
+impl Renderer {
+    /// The commands that draw the objects at `slots` (ascending).
+    pub(super) fn prepare(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        slots: &[usize],
+    ) -> Result<Vec<Command>, RenderError> {
+        let mut commands = Vec::new();
+        let mut shared: HashMap<(*const Pipeline, usize), wgpu::BindGroup> = HashMap::new();
+        let mut materials: HashMap<(*const Pipeline, *const Material), wgpu::BindGroup> =
+            HashMap::new();
+        for run in frame.objects.runs(slots) {
+            let Run {
+                object,
+                mirrored,
+                instances,
+            } = run;
+            if object.mesh.indices.is_empty() {
+                continue;
+            }
+            let permutation = self.compose(frame, inputs, object)?;
+            let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
+            let mut groups = Vec::new();
+            for group in 0..pipeline.groups.len() {
+                let id = Arc::as_ptr(&pipeline);
+                let material = Arc::as_ptr(&object.material);
+                let known = match group {
+                    MATERIAL => materials.get(&(id, material)),
+                    _ => shared.get(&(id, group)),
+                };
+                let bound = match (known, &pipeline.groups[group]) {
+                    (Some(bound), _) => Some(bound.clone()),
+                    (None, None) => None,
+                    (None, Some(layout)) => {
+                        Some(self.bind(frame, inputs, &pipeline, (group, layout), object)?)
+                    }
+                };
+                if let Some(bound) = &bound {
+                    match group {
+                        MATERIAL => materials.insert((id, material), bound.clone()),
+                        _ => shared.insert((id, group), bound.clone()),
+                    };
+                }
+                groups.push(bound);
+            }
+            let mesh = self.assets.mesh(&self.gpu, object)?;
+            commands.push(Command {
+                pipeline,
+                groups,
+                mesh,
+                instances,
+            });
+        }
+        frame.report.draws += commands.len() as u32;
+        Ok(commands)
+    }
+
+    /// The permutation that `object` needs in this pass, composed on first need.
+    fn compose(
+        &self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        object: &Object,
+    ) -> Result<Arc<Permutation>, RenderError> {
+        let light = inputs.light.map(|light| light.setup);
+        let library = self.composer.library();
+        let key = lights::key(library, frame.options, inputs.pass, light, &object.material)?;
+        if let Some(known) = frame.composed.get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        let composed = self.composer.compose(&key)?;
+        frame.report.warnings.extend(composed.warnings);
+        let permutation = composed.permutation;
+        let reported = |used: &PermutationUse| used.key == permutation.key;
+        if !frame.report.permutations.iter().any(reported) {
+            frame.report.permutations.push(PermutationUse {
+                key: permutation.key.clone(),
+                source: composed.source,
+                object: object.name.clone(),
+                light: light.map(|light| light.source.name.clone()),
+            });
+        }
+        frame.composed.insert(key, Arc::clone(&permutation));
+        Ok(permutation)
+    }
+
+    fn pipeline(
+        &mut self,
+        permutation: Arc<Permutation>,
+        state: &DrawState,
+        mirrored: bool,
+    ) -> Result<Arc<Pipeline>, RenderError> {
+        let mut state = state.clone();
+        // Without culling no side is the front: one pipeline serves both.
+        if mirrored && state.cull.is_some() {
+            state.front = wgpu::FrontFace::Cw;
+        }
+        let id = (permutation.key.clone(), state);
+        if let Some(known) = self.pipelines.get(&id) {
+            return Ok(Arc::clone(known));
+        }
+        let pipeline = Arc::new(Pipeline::new(&self.gpu, permutation, &id.1)?);
+        self.pipelines.insert(id, Arc::clone(&pipeline));
+        Ok(pipeline)
+    }
+
+    fn bind(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        pipeline: &Pipeline,
+        (group, layout): (usize, &wgpu::BindGroupLayout),
+        object: &Object,
+    ) -> Result<wgpu::BindGroup, RenderError> {
+        let mut resources = Vec::new();
+        for binding in pipeline.bindings(group) {
+            let key = &pipeline.permutation.key;
+            let resource = match group {
+                LIGHT => self.light_resource(inputs, key, binding)?,
+                MATERIAL => self.material_resource(object, key, binding)?,
+                _ => self.frame_resource(frame, inputs, key, binding)?,
+            };
+            resources.push((binding.binding, resource));
+        }
+        let entries: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: match resource {
+                    Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                    Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+                    Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
+                },
+            })
+            .collect();
+        let label = Some("bindings");
+        let descriptor = wgpu::BindGroupDescriptor {
+            label,
+            layout,
+            entries: &entries,
+        };
+        Ok(self.gpu.device.create_bind_group(&descriptor))
+    }
+
+    fn uniform(
+        &self,
+        key: &Key,
+        binding: &Binding,
+        constants: &Constants,
+    ) -> Result<Resource, RenderError> {
+        let BindingKind::Uniform(layout) = &binding.kind else {
+            return Err(RenderError::binding(
+                key,
+                binding,
+                "a uniform buffer was expected",
+            ));
+        };
+        let bytes =
+            pack(layout, constants).map_err(|error| RenderError::binding(key, binding, error))?;
+        let usage = wgpu::BufferUsages::UNIFORM;
+        Ok(Resource::Buffer(self.gpu.buffer(
+            &binding.name,
+            usage,
+            &bytes,
+        )?))
+    }
+
+    fn frame_resource(
+        &self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        key: &Key,
+        binding: &Binding,
+    ) -> Result<Resource, RenderError> {
+        match (binding.name.as_str(), &binding.kind) {
+            ("frame", _) => {
+                let constants = Constants::new()
+                    .with("view_proj", Value::Mat4(inputs.view_proj))
+                    .with("ambient", Value::Vec3(inputs.ambient));
+                self.uniform(key, binding, &constants)
+            }
+            ("instances", BindingKind::Storage { layout, .. }) => {
+                if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
+                    return Ok(Resource::Buffer(known.clone()));
+                }
+                let bytes = frame
+                    .objects
+                    .instances(layout)
+                    .map_err(|error| RenderError::binding(key, binding, error))?;
+                let usage = wgpu::BufferUsages::STORAGE;
+                let buffer = self.gpu.buffer("the list of objects", usage, &bytes)?;
+                frame.instances.push((layout.clone(), buffer.clone()));
+                Ok(Resource::Buffer(buffer))
+            }
+            _ => Err(unknown(key, binding, "`frame` and `instances`")),
+        }
+    }
+
+    fn light_resource(
+        &mut self,
+        inputs: &PassInputs<'_>,
+        key: &Key,
+        binding: &Binding,
+    ) -> Result<Resource, RenderError> {
+        let own = "what its light and shadow method give";
+        let Some(light) = inputs.light else {
+            return Err(unknown(key, binding, "nothing here"));
+        };
+        match (binding.name.as_str(), &binding.kind) {
+            ("light", BindingKind::Uniform(_)) => self.uniform(key, binding, light.constants),
+            ("cookie_texture", _) => {
+                let cookie = light.setup.source.cookie.clone();
+                let what = format!("the cookie of light `{}`", light.setup.source.name);
+                Ok(Resource::Texture(self.image(&what, cookie)?))
+            }
+            ("cookie_sampler", _) => Ok(Resource::Sampler(assets::sampler(&self.gpu, None))),
+            (name, kind) => {
+                let shadow = light.shadow.ok_or_else(|| unknown(key, binding, own))?;
+                let found = match kind {
+                    BindingKind::Uniform(_) => {
+                        return self.uniform(key, binding, &shadow.constants);
+                    }
+                    BindingKind::Sampler { .. } => shadow
+                        .samplers
+                        .get(name)
+                        .map(|(_, s)| Resource::Sampler(s.clone())),
+                    _ => shadow
+                        .textures
+                        .get(name)
+                        .map(|(_, t)| Resource::Texture(t.clone())),
+                };
+                found.ok_or_else(|| unknown(key, binding, own))
+            }
+        }
+    }
+
+    fn material_resource(
+        &mut self,
+        object: &Object,
+        key: &Key,
+        binding: &Binding,
+    ) -> Result<Resource, RenderError> {
+        let material = &object.material;
+        let texture = material.base_color_texture.as_ref();
+        match binding.name.as_str() {
+            "material" => {
+                let constants = Constants::new()
+                    .with("base_color", Value::Vec4(material.base_color))
+                    .with("roughness", Value::F32(material.roughness))
+                    .with("metallic", Value::F32(material.metallic))
+                    .with(
+                        "alpha_cutoff",
+                        Value::F32(material.alpha_cutoff.unwrap_or_default()),
+                    );
+                self.uniform(key, binding, &constants)
+            }
+            "base_color_texture" => {
+                let what = format!("the texture of object `{}`", object.name);
+                let image = texture.map(|texture| Arc::clone(&texture.image));
+                Ok(Resource::Texture(self.image(&what, image)?))
+            }
+            "base_color_sampler" => Ok(Resource::Sampler(assets::sampler(&self.gpu, texture))),
+            _ => Err(unknown(key, binding, "what a material gives")),
+        }
+    }
+
+    /// The picture on the device; white where an axis was forced on without one.
+    fn image(
+        &mut self,
+        what: &str,
+        image: Option<Arc<Image>>,
+    ) -> Result<wgpu::TextureView, RenderError> {
+        let image = image.unwrap_or_else(|| Arc::clone(&self.white));
+        self.assets.image(&self.gpu, what, &image)
+    }
+}
+
+/// The groups whose owners are not the frame: see `Binding::group`.
+const LIGHT: usize = 1;
+const MATERIAL: usize = 2;
+
+enum Resource {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::TextureView),
+    Sampler(wgpu::Sampler),
+}
+
+fn unknown(key: &Key, binding: &Binding, known: &str) -> RenderError {
+    let problem = format!("group {} can bind only {known}", binding.group);
+    RenderError::binding(key, binding, problem)
+}
+
+/// The names in a light's group that must not be filtered: textures of formats that no device must
+/// be able to filter, and samplers that do not ask to.
+pub(super) fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
+    use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
+    let Some(shadow) = shadow else {
+        return BTreeSet::new();
+    };
+    let textures = shadow
+        .textures
+        .iter()
+        .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
+        .map(|(name, _)| name);
+    let samplers = shadow
+        .samplers
+        .iter()
+        .filter(|(_, (desc, _))| desc.filter == wgpu::FilterMode::Nearest)
+        .map(|(name, _)| name);
+    textures.chain(samplers).cloned().collect()
+}

@@ -1,0 +1,305 @@
+//! What a scene and the options ask of its lights, checked.
+
+use std::collections::BTreeMap;
+
+use glam::{DMat4, DVec3, Mat4};
+use umbrage_compose::{Key, Library};
+use umbrage_shadow::{
+    Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
+};
+
+use super::RenderOptions;
+use crate::{
+    RenderError,
+    scene::{Material, Scene, SceneLight, Shadow, look_along},
+};
+
+/// A light with its method, both checked.
+pub(super) struct LightSetup<'a> {
+    pub(super) source: &'a SceneLight,
+    pub(super) method: Option<MethodSetup<'a>>,
+}
+
+/// A light's method and what is chosen for it.
+pub(super) struct MethodSetup<'a> {
+    pub(super) method: &'a dyn ShadowMethod,
+    pub(super) settings: Settings,
+    /// A value for each of the method's axes.
+    pub(super) axes: BTreeMap<String, String>,
+}
+
+/// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
+const OWN_AXES: [&str; 3] = ["pass", "light", "method"];
+
+/// Checks what `scene` and `options` ask of the lights.
+pub(super) fn set_up<'a>(
+    scene: &'a Scene,
+    options: &RenderOptions,
+    registry: &'a Registry,
+    library: &Library,
+) -> Result<Vec<LightSetup<'a>>, RenderError> {
+    for (axis, value) in &options.axes {
+        if OWN_AXES.contains(&axis.as_str()) {
+            return Err(RenderError::Axis {
+                place: "the options".to_owned(),
+                axis: axis.clone(),
+                problem: "which follows from the scene; choose a method by its own option"
+                    .to_owned(),
+            });
+        }
+        check_value(library, "the options", axis, value)?;
+    }
+    let none = Shadow::default();
+    let mut setups = Vec::new();
+    for source in &scene.lights {
+        let chosen = match (&options.method, &source.shadow) {
+            (Some(method), _) if method == "none" => None,
+            // What a scene chooses for one method means nothing to another.
+            (Some(method), shadow) => {
+                let shadow = shadow.as_ref().filter(|shadow| shadow.method == *method);
+                Some((method, shadow.unwrap_or(&none)))
+            }
+            (None, Some(shadow)) if shadow.method == "none" => None,
+            (None, Some(shadow)) => Some((&shadow.method, shadow)),
+            (None, None) => None,
+        };
+        let method = match chosen {
+            Some((name, shadow)) => Some(set_up_method(
+                source, name, shadow, options, registry, library,
+            )?),
+            None => None,
+        };
+        setups.push(LightSetup { source, method });
+    }
+    Ok(setups)
+}
+
+fn set_up_method<'a>(
+    source: &SceneLight,
+    name: &str,
+    shadow: &Shadow,
+    options: &RenderOptions,
+    registry: &'a Registry,
+    library: &Library,
+) -> Result<MethodSetup<'a>, RenderError> {
+    let light = source.name.clone();
+    let method = registry
+        .get(name)
+        .map_err(|source| RenderError::UnknownMethod {
+            light: light.clone(),
+            source,
+        })?;
+    if let Support::No(reason) = method.supports(&source.light) {
+        return Err(RenderError::Unsupported {
+            light,
+            method: name.to_owned(),
+            reason,
+        });
+    }
+    let place = format!("light `{light}`");
+    if let Some(axis) = shadow
+        .axes
+        .keys()
+        .find(|axis| !method.axes().contains(&axis.as_str()))
+    {
+        let known = method.axes().join(", ");
+        let hint = hint(axis, method.axes().iter().copied());
+        let problem =
+            format!("but method `{name}` has no axis of that name (known: {known}){hint}");
+        return Err(RenderError::Axis {
+            place,
+            axis: axis.clone(),
+            problem,
+        });
+    }
+    let mut axes = BTreeMap::new();
+    for &axis in method.axes() {
+        let value = options.axes.get(axis).or_else(|| shadow.axes.get(axis));
+        let value = match (
+            value,
+            library.axes().get(axis).and_then(|a| a.default.clone()),
+        ) {
+            (Some(value), _) => value.clone(),
+            (None, Some(default)) => default,
+            (None, None) => String::new(),
+        };
+        check_value(library, &place, axis, &value)?;
+        axes.insert(axis.to_owned(), value);
+    }
+    let chosen = shadow
+        .settings
+        .iter()
+        .map(|(name, value)| (name.as_str(), *value));
+    let settings =
+        Settings::check(method.settings(), chosen).map_err(|source| RenderError::Settings {
+            light,
+            method: name.to_owned(),
+            source,
+        })?;
+    Ok(MethodSetup {
+        method: method.as_ref(),
+        settings,
+        axes,
+    })
+}
+
+fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Result<(), RenderError> {
+    let problem = match library.axes().get(axis) {
+        None => {
+            let known: Vec<&str> = library
+                .axes()
+                .iter()
+                .map(|axis| axis.name.as_str())
+                .collect();
+            let hint = hint(axis, known.iter().copied());
+            format!(
+                "but there is no axis of that name (known: {}){hint}",
+                known.join(", ")
+            )
+        }
+        Some(found) if !found.values().any(|known| known == value) => {
+            format!(
+                "but `{value}` is none of its values: {}",
+                found.values().collect::<Vec<_>>().join(", ")
+            )
+        }
+        Some(_) => return Ok(()),
+    };
+    Err(RenderError::Axis {
+        place: place.to_owned(),
+        axis: axis.to_owned(),
+        problem,
+    })
+}
+
+/// `; did you mean …?` for the known name nearest to `name`; nothing where none is near.
+fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    known
+        .into_iter()
+        .map(|known| (strsim::jaro_winkler(name, known), known))
+        .filter(|(score, _)| *score > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, known)| format!("; did you mean `{known}`?"))
+        .unwrap_or_default()
+}
+
+/// The key of a draw of `material` in `pass`, for `light` where the pass is for one.
+pub(super) fn key(
+    library: &Library,
+    options: &RenderOptions,
+    pass: &str,
+    light: Option<&LightSetup<'_>>,
+    material: &Material,
+) -> Result<Key, RenderError> {
+    let switch = |on: bool| if on { "on" } else { "off" };
+    let mut choices = BTreeMap::from([
+        ("pass", pass),
+        ("surface", material.surface.as_str()),
+        ("alpha_test", switch(material.alpha_cutoff.is_some())),
+        (
+            "base_color_texture",
+            switch(material.base_color_texture.is_some()),
+        ),
+    ]);
+    choices.extend(
+        options
+            .axes
+            .iter()
+            .map(|(axis, value)| (axis.as_str(), value.as_str())),
+    );
+    let kind = light.map(|light| kind_name(&light.source.light.kind));
+    // Other lights have no projection that a cookie could be seen through.
+    if kind != Some("spot") {
+        choices.remove("cookie");
+    }
+    if let (Some(light), Some(kind)) = (light, kind) {
+        choices.insert("light", kind);
+        if kind == "spot" && light.source.cookie.is_some() {
+            choices.insert("cookie", "on");
+        }
+        if let Some(setup) = &light.method {
+            choices.insert("method", setup.method.name());
+            choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
+        }
+    }
+    Ok(library.key(choices)?)
+}
+
+fn kind_name(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Directional { .. } => "directional",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Point { .. } => "point",
+    }
+}
+
+/// The values of the light's uniform block, relative to a camera at `eye`.
+pub(super) fn constants(light: &Light, eye: DVec3) -> Constants {
+    let vector = |v: DVec3| Value::Vec3(v.as_vec3());
+    let number = |x: f64| Value::F32(x as f32);
+    let color = Value::Vec3(light.color);
+    match light.kind {
+        LightKind::Directional { direction } => Constants::new()
+            .with("to_light", vector(-direction))
+            .with("irradiance", color),
+        LightKind::Spot {
+            position,
+            direction,
+            inner_angle,
+            outer_angle,
+            range,
+        } => Constants::new()
+            .with("position_ws", vector(position - eye))
+            .with("range", number(range))
+            .with("direction", vector(direction))
+            .with("cos_outer", number(outer_angle.cos()))
+            .with("intensity", color)
+            .with("cos_inner", number(inner_angle.cos()))
+            .with(
+                "cookie_matrix",
+                Value::Mat4(cookie(position - eye, direction, outer_angle)),
+            ),
+        LightKind::Point { position, range } => Constants::new()
+            .with("position_ws", vector(position - eye))
+            .with("range", number(range))
+            .with("intensity", color),
+    }
+}
+
+/// World to the cookie's texture coordinates, before the division by w: the picture fills the square
+/// around the cone, and is seen unmirrored from the light, its top up.
+fn cookie(position: DVec3, direction: DVec3, outer_angle: f64) -> Mat4 {
+    let rotation = look_along(direction).unwrap_or_default();
+    let to_light = DMat4::from_rotation_translation(rotation, position).inverse();
+    let scale = 0.5 / outer_angle.tan();
+    // In light space the axis is −z: u = 0.5 + scale · x / −z, v = 0.5 − scale · y / −z.
+    let project = DMat4::from_cols_array_2d(&[
+        [scale, 0.0, 0.0, 0.0],
+        [0.0, -scale, 0.0, 0.0],
+        [-0.5, -0.5, 0.0, -1.0],
+        [0.0, 0.0, 0.0, 0.0],
+    ]);
+    (project * to_light).as_mat4()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec2, Vec4};
+
+    use super::*;
+
+    #[test]
+    fn a_cookie_hangs_upright_before_its_light() {
+        let at = |x: f64, y: f64, z: f64| {
+            let position = DVec3::new(1.0, 2.0, 3.0);
+            let matrix = cookie(position, DVec3::X, 45_f64.to_radians());
+            let point = (position + DVec3::new(x, y, z)).as_vec3();
+            let projected = matrix * Vec4::from((point, 1.0));
+            Vec2::new(projected.x, projected.y) / projected.w
+        };
+        assert!(at(5.0, 0.0, 0.0).abs_diff_eq(Vec2::splat(0.5), 1e-5));
+        // Looking along +x with y up, +z is to the right.
+        assert!(at(5.0, 5.0, 0.0).abs_diff_eq(Vec2::new(0.5, 0.0), 1e-5));
+        assert!(at(5.0, 0.0, 5.0).abs_diff_eq(Vec2::new(1.0, 0.5), 1e-5));
+    }
+}

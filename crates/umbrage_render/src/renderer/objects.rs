@@ -1,0 +1,148 @@
+//! The objects of a scene in the order in which they are drawn: those that share a mesh and a
+//! material stand together, and are drawn as instances.
+
+use std::{collections::HashMap, ops::Range, sync::Arc};
+
+use glam::{DMat3, DVec3, Mat4};
+use umbrage_compose::Layout;
+use umbrage_shadow::{Constants, Value};
+
+use crate::{PackError, Scene, pack, scene::Object};
+
+/// The objects in drawing order; an object's place in it is its slot.
+pub(super) struct Objects<'a> {
+    entries: Vec<Entry<'a>>,
+}
+
+struct Entry<'a> {
+    object: &'a Object,
+    /// What instances of one draw share: mesh, material, and whether the transform mirrors.
+    batch: (usize, usize, bool),
+    model: Mat4,
+    normal: Mat4,
+}
+
+/// Neighbouring slots that one draw covers.
+pub(super) struct Run<'a> {
+    pub(super) object: &'a Object,
+    pub(super) mirrored: bool,
+    pub(super) instances: Range<u32>,
+}
+
+impl<'a> Objects<'a> {
+    /// The objects of `scene` relative to a camera at `eye`.
+    pub(super) fn new(scene: &'a Scene, eye: DVec3) -> Self {
+        // By first appearance, as addresses would change from run to run.
+        let mut meshes = HashMap::new();
+        let mut materials = HashMap::new();
+        let mut order = Vec::new();
+        for (index, object) in scene.objects.iter().enumerate() {
+            let next = meshes.len();
+            let mesh = *meshes.entry(Arc::as_ptr(&object.mesh)).or_insert(next);
+            let next = materials.len();
+            let material = *materials
+                .entry(Arc::as_ptr(&object.material))
+                .or_insert(next);
+            let mirrored = object.transform.matrix3.determinant() < 0.0;
+            order.push(((mesh, material, mirrored), index));
+        }
+        order.sort_unstable();
+        let mut entries = Vec::new();
+        for (batch, index) in order {
+            let object = &scene.objects[index];
+            let mut transform = object.transform;
+            transform.translation -= eye;
+            let model = glam::DMat4::from(transform).as_mat4();
+            let normal = Mat4::from_mat3(normal_matrix(transform.matrix3).as_mat3());
+            entries.push(Entry {
+                object,
+                batch,
+                model,
+                normal,
+            });
+        }
+        Self { entries }
+    }
+
+    /// All slots with their objects.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, &'a Object)> {
+        self.entries.iter().map(|entry| entry.object).enumerate()
+    }
+
+    /// The draws that cover `slots`, which ascend.
+    pub(super) fn runs(&self, slots: &[usize]) -> Vec<Run<'a>> {
+        let mut runs: Vec<(Run<'a>, (usize, usize, bool))> = Vec::new();
+        for &slot in slots {
+            let Some(entry) = self.entries.get(slot) else {
+                continue;
+            };
+            let instance = slot as u32;
+            match runs.last_mut() {
+                Some((run, batch)) if *batch == entry.batch && run.instances.end == instance => {
+                    run.instances.end += 1;
+                }
+                _ => {
+                    let instances = instance..instance + 1;
+                    let run = Run {
+                        object: entry.object,
+                        mirrored: entry.batch.2,
+                        instances,
+                    };
+                    runs.push((run, entry.batch));
+                }
+            }
+        }
+        runs.into_iter().map(|(run, _)| run).collect()
+    }
+
+    /// The bytes of the shader's array of instances, whose element has this layout.
+    pub(super) fn instances(&self, layout: &Layout) -> Result<Vec<u8>, PackError> {
+        let mut bytes = Vec::with_capacity(self.entries.len() * layout.size as usize);
+        for entry in &self.entries {
+            let constants = Constants::new()
+                .with("model", Value::Mat4(entry.model))
+                .with("normal", Value::Mat4(entry.normal));
+            bytes.extend(pack(layout, &constants)?);
+        }
+        Ok(bytes)
+    }
+}
+
+/// Takes normals through `linear`: its inverse transpose, but for a positive factor. Made of
+/// cofactors, which exist for flattened objects too.
+fn normal_matrix(linear: DMat3) -> DMat3 {
+    let [a, b, c] = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let cofactors = DMat3::from_cols(b.cross(c), c.cross(a), a.cross(b));
+    let largest = cofactors
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |most, x| x.abs().max(most));
+    let sign = if linear.determinant() < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    if largest > 0.0 {
+        cofactors * (sign / largest)
+    } else {
+        cofactors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_stay_upright_on_their_surfaces() {
+        let linear = DMat3::from_cols_array(&[-2.0, 0.3, 0.0, 0.1, 0.5, 0.0, 0.0, 0.7, 3.0]);
+        let (u, v) = (DVec3::new(0.2, 1.0, 0.4), DVec3::new(-0.6, 0.1, 0.9));
+        let normal = normal_matrix(linear) * u.cross(v);
+        assert!(normal.dot(linear * u).abs() < 1e-12 && normal.dot(linear * v).abs() < 1e-12);
+        // On the same side as before: mirrored like any direction.
+        assert!((linear * u.cross(v)).dot(normal) > 0.0);
+        // Flattened onto the ground, what looked up still does.
+        let flat = DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0));
+        assert_eq!(normal_matrix(flat) * DVec3::Y, DVec3::Y);
+    }
+}

@@ -1,0 +1,152 @@
+//! What is rendered into, and how it comes back.
+
+use crate::{Gpu, GpuError, RenderError};
+
+/// A colour and a depth texture of the picture's size.
+pub(super) struct Target {
+    texture: wgpu::Texture,
+    pub(super) color: wgpu::TextureView,
+    pub(super) depth: wgpu::TextureView,
+}
+
+/// The depth format of the camera's passes.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Bytes that are read back at a time.
+const BAND: u64 = 32 << 20;
+
+impl Target {
+    pub(super) fn new(
+        gpu: &Gpu,
+        width: u32,
+        height: u32,
+        format: wgpu::TextureFormat,
+    ) -> Result<Self, RenderError> {
+        use wgpu::TextureUsages as Usage;
+        let size = wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        };
+        let usage = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC;
+        let texture = gpu.texture("the picture", size, 1, format, usage)?;
+        let depth = gpu.texture(
+            "the picture's depth",
+            size,
+            1,
+            DEPTH,
+            Usage::RENDER_ATTACHMENT,
+        )?;
+        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        Ok(Self {
+            color: view(&texture),
+            depth: view(&depth),
+            texture,
+        })
+    }
+
+    /// Begins a pass; `clear` is the colour to begin with, none keeps what is there, depth too.
+    pub(super) fn begin<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        clear: Option<wgpu::Color>,
+    ) -> wgpu::RenderPass<'a> {
+        let store = wgpu::StoreOp::Store;
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
+                    store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations {
+                    // Depth is reversed: 0 is the farthest.
+                    load: clear.map_or(wgpu::LoadOp::Load, |_| wgpu::LoadOp::Clear(0.0)),
+                    store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        })
+    }
+
+    /// The colour texture's bytes, row by row from the top, in bands so that no buffer grows with
+    /// the picture.
+    pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        let (width, height) = (self.texture.width(), self.texture.height());
+        let texel = self.texture.format().block_copy_size(None).unwrap_or(4);
+        let row = width * texel;
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let rows = ((BAND / u64::from(padded)) as u32).clamp(1, height);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read-back"),
+            size: u64::from(padded) * u64::from(rows),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut bytes = Vec::with_capacity(row as usize * height as usize);
+        let mut top = 0;
+        while top < height {
+            let band = rows.min(height - top);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            encoder.copy_texture_to_buffer(
+                wgpu::TexelCopyTextureInfo {
+                    origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
+                    ..self.texture.as_image_copy()
+                },
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(padded),
+                        rows_per_image: None,
+                    },
+                },
+                wgpu::Extent3d {
+                    width,
+                    height: band,
+                    depth_or_array_layers: 1,
+                },
+            );
+            gpu.queue.submit([encoder.finish()]);
+            map(gpu, &buffer, |mapped| {
+                let rows = mapped.chunks_exact(padded as usize).take(band as usize);
+                rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
+            })?;
+            top += band;
+        }
+        Ok(bytes)
+    }
+}
+
+fn map(gpu: &Gpu, buffer: &wgpu::Buffer, read: impl FnOnce(&[u8])) -> Result<(), GpuError> {
+    let refused = |error: &dyn std::fmt::Display| {
+        GpuError::Refused(format!("the picture cannot be read back: {error}"))
+    };
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // The receiver waits below, unless polling failed and says so itself.
+        let _ = sender.send(result);
+    });
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| refused(&error))?;
+    match receiver.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(refused(&error)),
+        Err(error) => return Err(refused(&error)),
+    }
+    let mapped = buffer
+        .get_mapped_range(..)
+        .map_err(|error| refused(&error))?;
+    read(&mapped);
+    drop(mapped);
+    buffer.unmap();
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! A model without a scene: it gets a ground, a camera and a sun that fit it.
+
+use std::{path::Path, sync::Arc};
+
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use umbrage_shadow::{Aabb, Light, LightKind};
+
+use super::{
+    Camera, Material, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
+    shapes,
+};
+
+/// Loads the model at `path`.
+pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let mut objects = Vec::new();
+    for part in model::load(path)? {
+        let object = Object::place(part.name, part.mesh, part.material, part.transform);
+        let remedy = "mend the model and export it again";
+        objects
+            .push(object.map_err(|problem| SceneError::invalid(path, "nodes", problem, remedy))?);
+    }
+    let bounds = objects.iter().fold(
+        Aabb {
+            min: DVec3::INFINITY,
+            max: DVec3::NEG_INFINITY,
+        },
+        |all, object| Aabb {
+            min: all.min.min(object.bounds.min),
+            max: all.max.max(object.bounds.max),
+        },
+    );
+    let centre = 0.5 * (bounds.min + bounds.max);
+    let radius = 0.5 * (bounds.max - bounds.min).length();
+    if radius <= 0.0 {
+        let remedy = "give a model that has an extent";
+        return Err(SceneError::invalid(
+            path,
+            "scene",
+            "all its points are one",
+            remedy,
+        ));
+    }
+    objects.push(ground(path, &bounds, centre, radius)?);
+    Ok(Scene {
+        objects,
+        lights: vec![sun()],
+        camera: camera(centre, radius),
+        ambient: Vec3::splat(0.35),
+        background: Vec3::new(0.3, 0.4, 0.6),
+    })
+}
+
+fn ground(path: &Path, bounds: &Aabb, centre: DVec3, radius: f64) -> Result<Object, SceneError> {
+    let mesh = shapes::rectangle(Vec2::ONE, Vec2::ONE, false);
+    let material = Material {
+        base_color: Vec4::new(0.45, 0.45, 0.45, 1.0),
+        ..Material::plain("lambert")
+    };
+    let transform = DAffine3::from_scale_rotation_translation(
+        DVec3::new(12.0 * radius, 1.0, 12.0 * radius),
+        glam::DQuat::IDENTITY,
+        DVec3::new(centre.x, bounds.min.y, centre.z),
+    );
+    Object::place(
+        "ground".to_owned(),
+        Arc::new(mesh),
+        Arc::new(material),
+        transform,
+    )
+    .map_err(|problem| SceneError::invalid(path, "scene", problem, "scale the model down"))
+}
+
+fn sun() -> SceneLight {
+    let direction = DVec3::new(-0.6, -1.0, -0.45).normalize();
+    SceneLight {
+        name: "sun".to_owned(),
+        light: Light {
+            kind: LightKind::Directional { direction },
+            color: Vec3::splat(3.0),
+        },
+        cookie: None,
+        shadow: Some(Shadow {
+            method: "basic".to_owned(),
+            ..Shadow::default()
+        }),
+    }
+}
+
+fn camera(centre: DVec3, radius: f64) -> Camera {
+    let towards = DVec3::new(-0.55, -0.45, -1.0).normalize();
+    Camera {
+        // At 40 degrees a sphere of this radius fills two thirds of the picture's height.
+        position: centre - 3.9 * radius * towards,
+        rotation: look_along(towards).unwrap_or_default(),
+        fov_y: 40_f64.to_radians(),
+        near: 0.05 * radius,
+        far: 40.0 * radius,
+    }
+}

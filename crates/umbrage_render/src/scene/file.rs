@@ -1,0 +1,474 @@
+//! Scene files: RON, strict, with paths relative to the file.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3, Vec4};
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+use super::{
+    Camera, Image, Material, Mesh, Object, Scene, SceneError, Texture, Wrap,
+    error::read,
+    file_lights::LightFile,
+    model::{self, Part},
+    shapes,
+};
+
+/// A scene file. Lengths in metres, angles in degrees, colours linear.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene")]
+struct SceneFile {
+    camera: CameraFile,
+    #[serde(default)]
+    ambient: (f32, f32, f32),
+    #[serde(default)]
+    background: (f32, f32, f32),
+    #[serde(default)]
+    lights: Vec<LightFile>,
+    models: Vec<ModelFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Camera")]
+struct CameraFile {
+    position: (f64, f64, f64),
+    target: Option<(f64, f64, f64)>,
+    rotation: Option<RotationFile>,
+    #[serde(default = "default_fov")]
+    fov_degrees: f64,
+    #[serde(default = "default_near")]
+    near: f64,
+    #[serde(default = "default_far")]
+    far: f64,
+}
+
+fn default_fov() -> f64 {
+    45.0
+}
+
+fn default_near() -> f64 {
+    0.05
+}
+
+fn default_far() -> f64 {
+    1000.0
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Model")]
+struct ModelFile {
+    name: Option<String>,
+    file: Option<PathBuf>,
+    shape: Option<ShapeFile>,
+    #[serde(default)]
+    translation: (f64, f64, f64),
+    rotation: Option<RotationFile>,
+    scale: Option<(f64, f64, f64)>,
+    #[serde(default = "default_casts")]
+    casts: bool,
+    surface: Option<String>,
+    #[serde(default)]
+    material: MaterialFile,
+}
+
+fn default_casts() -> bool {
+    true
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case", rename = "Rotation")]
+enum RotationFile {
+    /// About x, then y, then z of the parent's axes.
+    Degrees(f64, f64, f64),
+    /// x, y, z, w.
+    Quaternion(f64, f64, f64, f64),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case", rename = "Shape")]
+enum ShapeFile {
+    /// Level, facing up: extent along x and z.
+    Plane {
+        size: (f32, f32),
+        #[serde(default = "one_tile")]
+        tiles: (f32, f32),
+    },
+    /// Upright, facing +z: extent along x and y.
+    Quad {
+        size: (f32, f32),
+        #[serde(default = "one_tile")]
+        tiles: (f32, f32),
+    },
+    Box {
+        size: (f32, f32, f32),
+    },
+    Sphere {
+        radius: f32,
+        #[serde(default = "default_segments")]
+        segments: u32,
+    },
+}
+
+fn one_tile() -> (f32, f32) {
+    (1.0, 1.0)
+}
+
+fn default_segments() -> u32 {
+    48
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Material")]
+struct MaterialFile {
+    base_color: Option<(f32, f32, f32)>,
+    base_color_texture: Option<PathBuf>,
+    metallic: Option<f32>,
+    roughness: Option<f32>,
+    alpha_cutoff: Option<f32>,
+}
+
+/// What scene files share: where they are, and what they have already read.
+pub(super) struct Loader<'a> {
+    path: &'a Path,
+    models: BTreeMap<PathBuf, Vec<Part>>,
+    images: BTreeMap<PathBuf, Arc<Image>>,
+}
+
+/// Loads the scene file at `path`.
+pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let bytes = read(path)?;
+    let syntax = |line, column, message| SceneError::Syntax {
+        path: path.to_owned(),
+        line,
+        column,
+        message,
+    };
+    let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        syntax(
+            line,
+            1,
+            "the file is not UTF-8 text; save it as such".to_owned(),
+        )
+    })?;
+    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+    let file: SceneFile = options.from_str(text).map_err(|error| {
+        let at = error.span.start;
+        let mut message = error.code.to_string();
+        if let Some(first) = message.get(..1) {
+            message.replace_range(..1, &first.to_lowercase());
+        }
+        syntax(
+            at.line,
+            at.col,
+            format!("{message}; mend the scene file there"),
+        )
+    })?;
+    let mut loader = Loader {
+        path,
+        models: BTreeMap::new(),
+        images: BTreeMap::new(),
+    };
+    let camera = loader.camera(&file.camera)?;
+    let ambient = loader.color("ambient", file.ambient)?;
+    let background = loader.color("background", file.background)?;
+    let mut lights = Vec::new();
+    for (index, light) in file.lights.into_iter().enumerate() {
+        lights.push(loader.light(light, &format!("lights[{index}]"))?);
+    }
+    let mut objects = Vec::new();
+    for (index, model) in file.models.into_iter().enumerate() {
+        objects.extend(loader.model(model, &format!("models[{index}]"))?);
+    }
+    if objects.is_empty() {
+        return Err(loader.invalid(
+            "models",
+            "there is nothing to see",
+            "name a model or a shape",
+        ));
+    }
+    Ok(Scene {
+        objects,
+        lights,
+        camera,
+        ambient,
+        background,
+    })
+}
+
+impl Loader<'_> {
+    pub(super) fn invalid(
+        &self,
+        place: &str,
+        problem: impl Into<String>,
+        remedy: &str,
+    ) -> SceneError {
+        SceneError::invalid(self.path, place, problem, remedy)
+    }
+
+    /// `value`, where it lies in `range`.
+    pub(super) fn number(
+        &self,
+        place: String,
+        value: f64,
+        range: std::ops::RangeInclusive<f64>,
+    ) -> Result<f64, SceneError> {
+        if range.contains(&value) {
+            return Ok(value);
+        }
+        let problem = format!(
+            "it is {value}, but must lie from {:e} to {:e}",
+            range.start(),
+            range.end()
+        );
+        Err(self.invalid(&place, problem, "change it in the scene file"))
+    }
+
+    pub(super) fn point(
+        &self,
+        place: String,
+        (x, y, z): (f64, f64, f64),
+    ) -> Result<DVec3, SceneError> {
+        for value in [x, y, z] {
+            self.number(place.clone(), value, -super::FARTHEST..=super::FARTHEST)?;
+        }
+        Ok(DVec3::new(x, y, z))
+    }
+
+    pub(super) fn color(
+        &self,
+        place: &str,
+        (r, g, b): (f32, f32, f32),
+    ) -> Result<Vec3, SceneError> {
+        for value in [r, g, b] {
+            self.number(place.to_owned(), f64::from(value), 0.0..=1e30)?;
+        }
+        Ok(Vec3::new(r, g, b))
+    }
+
+    pub(super) fn image(&mut self, place: &str, file: &Path) -> Result<Arc<Image>, SceneError> {
+        let path = self.beside(file);
+        if let Some(image) = self.images.get(&path) {
+            return Ok(Arc::clone(image));
+        }
+        let image = Arc::new(Image::decode(&read(&path)?, &path, place)?);
+        self.images.insert(path, Arc::clone(&image));
+        Ok(image)
+    }
+
+    fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    fn rotation(&self, place: &str, rotation: RotationFile) -> Result<DQuat, SceneError> {
+        let rotation = match rotation {
+            RotationFile::Degrees(x, y, z) => DQuat::from_euler(
+                EulerRot::XYZEx,
+                x.to_radians(),
+                y.to_radians(),
+                z.to_radians(),
+            ),
+            RotationFile::Quaternion(x, y, z, w) => DQuat::from_xyzw(x, y, z, w).normalize(),
+        };
+        if rotation.is_finite() {
+            return Ok(rotation);
+        }
+        let problem = "it is no rotation: an angle is not finite, or the quaternion is zero";
+        Err(self.invalid(
+            &format!("{place}.rotation"),
+            problem,
+            "change it in the scene file",
+        ))
+    }
+
+    fn camera(&self, file: &CameraFile) -> Result<Camera, SceneError> {
+        let position = self.point("camera.position".to_owned(), file.position)?;
+        let rotation = match (file.target, file.rotation) {
+            (Some(target), None) => {
+                let target = self.point("camera.target".to_owned(), target)?;
+                look_along(target - position).ok_or_else(|| {
+                    let problem = "it is where the camera stands";
+                    self.invalid(
+                        "camera.target",
+                        problem,
+                        "name a point in front of the camera",
+                    )
+                })?
+            }
+            (None, Some(rotation)) => self.rotation("camera", rotation)?,
+            _ => {
+                let problem = "either a target or a rotation says where the camera looks";
+                return Err(self.invalid("camera", problem, "give one of the two"));
+            }
+        };
+        let fov = self.number(
+            "camera.fov_degrees".to_owned(),
+            file.fov_degrees,
+            0.01..=179.0,
+        )?;
+        let near = self.number("camera.near".to_owned(), file.near, 1e-6..=1e12)?;
+        let far = self.number("camera.far".to_owned(), file.far, 1e-6..=1e12)?;
+        if far <= near {
+            let problem = format!("it is {far}, but must lie beyond near, {near}");
+            return Err(self.invalid("camera.far", problem, "change one of them"));
+        }
+        Ok(Camera {
+            position,
+            rotation,
+            fov_y: fov.to_radians(),
+            near,
+            far,
+        })
+    }
+
+    fn model(&mut self, file: ModelFile, place: &str) -> Result<Vec<Object>, SceneError> {
+        let parts = match (&file.file, &file.shape) {
+            (Some(model), None) => self.parts(model)?,
+            (None, Some(shape)) => vec![self.shape(shape, place)?],
+            _ => {
+                let problem = "a model is either a file or a shape";
+                return Err(self.invalid(place, problem, "give one of the two"));
+            }
+        };
+        let translation = self.point(format!("{place}.translation"), file.translation)?;
+        let scale = self.point(
+            format!("{place}.scale"),
+            file.scale.unwrap_or((1.0, 1.0, 1.0)),
+        )?;
+        let rotation = match file.rotation {
+            Some(rotation) => self.rotation(place, rotation)?,
+            None => DQuat::IDENTITY,
+        };
+        let model = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+        let mut materials: Vec<(Arc<Material>, Arc<Material>)> = Vec::new();
+        let mut objects = Vec::new();
+        for part in parts {
+            let known = materials
+                .iter()
+                .find(|(from, _)| Arc::ptr_eq(from, &part.material));
+            let material = match known {
+                Some((_, material)) => Arc::clone(material),
+                None => {
+                    let material = Arc::new(self.material(&part.material, &file, place)?);
+                    materials.push((part.material, Arc::clone(&material)));
+                    material
+                }
+            };
+            let name = file.name.clone().unwrap_or(part.name);
+            let object = Object::place(name, part.mesh, material, model * part.transform)
+                .map_err(|problem| self.invalid(place, problem, "change its transform"))?;
+            objects.push(object);
+        }
+        Ok(objects)
+    }
+
+    fn parts(&mut self, file: &Path) -> Result<Vec<Part>, SceneError> {
+        let path = self.beside(file);
+        if let Some(parts) = self.models.get(&path) {
+            return Ok(parts.clone());
+        }
+        let parts = model::load(&path)?;
+        self.models.insert(path, parts.clone());
+        Ok(parts)
+    }
+
+    fn shape(&self, shape: &ShapeFile, place: &str) -> Result<Part, SceneError> {
+        let positive = |name: &str, value: f32| {
+            self.number(
+                format!("{place}.shape.{name}"),
+                f64::from(value),
+                1e-6..=1e12,
+            )
+        };
+        let rectangle = |size: (f32, f32), tiles: (f32, f32), upright: bool| {
+            for (name, value) in [
+                ("size", size.0),
+                ("size", size.1),
+                ("tiles", tiles.0),
+                ("tiles", tiles.1),
+            ] {
+                positive(name, value)?;
+            }
+            Ok::<Mesh, SceneError>(shapes::rectangle(size.into(), tiles.into(), upright))
+        };
+        let (name, mesh) = match *shape {
+            ShapeFile::Plane { size, tiles } => ("plane", rectangle(size, tiles, false)?),
+            ShapeFile::Quad { size, tiles } => ("quad", rectangle(size, tiles, true)?),
+            ShapeFile::Box { size } => {
+                for value in [size.0, size.1, size.2] {
+                    positive("size", value)?;
+                }
+                ("box", shapes::cuboid(size.into()))
+            }
+            ShapeFile::Sphere { radius, segments } => {
+                positive("radius", radius)?;
+                self.number(
+                    format!("{place}.shape.segments"),
+                    f64::from(segments),
+                    4.0..=1024.0,
+                )?;
+                ("sphere", shapes::sphere(radius, segments))
+            }
+        };
+        Ok(Part {
+            name: name.to_owned(),
+            mesh: Arc::new(mesh),
+            material: Arc::new(Material::plain("lambert")),
+            transform: DAffine3::IDENTITY,
+        })
+    }
+
+    fn material(
+        &mut self,
+        base: &Material,
+        file: &ModelFile,
+        place: &str,
+    ) -> Result<Material, SceneError> {
+        let mut material = base.clone();
+        material.casts = file.casts;
+        if let Some(surface) = &file.surface {
+            material.surface.clone_from(surface);
+        }
+        let chosen = &file.material;
+        if let Some((r, g, b)) = chosen.base_color {
+            material.base_color = Vec4::new(r, g, b, material.base_color.w);
+        }
+        if let Some(texture) = &chosen.base_color_texture {
+            let image = self.image(&format!("{place}.material.base_color_texture"), texture)?;
+            material.base_color_texture = Some(Texture {
+                image,
+                wrap: [Wrap::Repeat; 2],
+                smooth: true,
+            });
+        }
+        material.metallic = chosen.metallic.unwrap_or(material.metallic);
+        material.roughness = chosen.roughness.unwrap_or(material.roughness);
+        material.alpha_cutoff = chosen.alpha_cutoff.or(material.alpha_cutoff);
+        material.check().map_err(|problem| {
+            self.invalid(
+                &format!("{place}.material"),
+                problem,
+                "change it in the scene file",
+            )
+        })?;
+        Ok(material)
+    }
+}
+
+/// The rotation that turns −z to `direction` with +y as far up as can be; none for no direction.
+pub(crate) fn look_along(direction: DVec3) -> Option<DQuat> {
+    let forward = direction.try_normalize()?;
+    let up = if forward.y.abs() > 0.999_999 {
+        DVec3::NEG_Z
+    } else {
+        DVec3::Y
+    };
+    let right = forward.cross(up).try_normalize()?;
+    let axes = glam::DMat3::from_cols(right, right.cross(forward), -forward);
+    Some(DQuat::from_mat3(&axes))
+}

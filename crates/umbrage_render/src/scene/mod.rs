@@ -1,0 +1,291 @@
+//! Scenes: what is to be rendered, as plain data in f64.
+
+mod accessor;
+mod bare;
+mod error;
+mod file;
+mod file_lights;
+mod image;
+mod model;
+mod shapes;
+
+use std::{collections::BTreeMap, path::Path, sync::Arc};
+
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use umbrage_shadow::{Aabb, Light, Projection, View};
+
+pub use self::{
+    error::SceneError,
+    image::{Image, Level},
+};
+pub(crate) use self::{file::look_along, image::encode_srgb};
+
+/// What is to be rendered. World space: metres, right-handed, y up.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What there is to see, in the order of the file.
+    pub objects: Vec<Object>,
+    /// What lights it.
+    pub lights: Vec<SceneLight>,
+    /// Who looks.
+    pub camera: Camera,
+    /// Irradiance from everywhere, linear RGB.
+    pub ambient: Vec3,
+    /// What is seen where there is nothing, linear RGB.
+    pub background: Vec3,
+}
+
+/// A mesh in its place.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// What reports call it.
+    pub name: String,
+    /// Its shape; objects that share it are drawn as instances.
+    pub mesh: Arc<Mesh>,
+    /// Its material.
+    pub material: Arc<Material>,
+    /// Object to world.
+    pub transform: DAffine3,
+    /// The box around it in the world.
+    pub bounds: Aabb,
+}
+
+/// Triangles, with one normal and one texture coordinate a vertex.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Metres, object space.
+    pub positions: Vec<Vec3>,
+    /// Object space; unit, or zero where a triangle has no area.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, v down; zeros where the file has none.
+    pub uvs: Vec<Vec2>,
+    /// Three vertices a triangle, counter-clockwise seen from the front.
+    pub indices: Vec<u32>,
+}
+
+/// How an object looks, and whether it casts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The value of the shader library's axis `surface`.
+    pub surface: String,
+    /// Linear RGB and opacity; multiplies the texture.
+    pub base_color: Vec4,
+    /// The colour's texture.
+    pub base_color_texture: Option<Texture>,
+    /// 0 dielectric to 1 metal.
+    pub metallic: f32,
+    /// 0 smooth to 1 rough.
+    pub roughness: f32,
+    /// Opacity below which there is no surface; none for a surface without holes.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether it casts shadows.
+    pub casts: bool,
+}
+
+/// A picture on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// The picture.
+    pub image: Arc<Image>,
+    /// What lies beside the picture, across and down.
+    pub wrap: [Wrap; 2],
+    /// Whether texels are blended rather than shown as squares.
+    pub smooth: bool,
+}
+
+/// What lies beside a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The texture again.
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// Its edge.
+    Clamp,
+}
+
+/// A light, what it is projected through, and how it casts shadows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLight {
+    /// What reports call it.
+    pub name: String,
+    /// The light.
+    pub light: Light,
+    /// What a spot light shines through; its top is up where the light shines level.
+    pub cookie: Option<Arc<Image>>,
+    /// How it casts shadows; none casts none.
+    pub shadow: Option<Shadow>,
+}
+
+/// A shadow method and what the scene chooses for it; checked when rendered, as scenes do not know
+/// which methods there are.
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shadow {
+    /// The method's name.
+    pub method: String,
+    /// Values of the shader library's axes that belong to the method.
+    #[serde(default)]
+    pub axes: BTreeMap<String, String>,
+    /// The method's numbers.
+    #[serde(default)]
+    pub settings: BTreeMap<String, f64>,
+}
+
+/// Where the picture is taken from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// World space, metres.
+    pub position: DVec3,
+    /// From its axes to the world's; it looks along −z of its own.
+    pub rotation: DQuat,
+    /// Full vertical angle, radians.
+    pub fov_y: f64,
+    /// The nearest that is seen; metres, above 0.
+    pub near: f64,
+    /// The farthest that is seen; metres.
+    pub far: f64,
+}
+
+impl Camera {
+    /// The camera as a view of a picture of the given size in pixels (both above 0).
+    pub fn view(&self, width: u32, height: u32) -> View {
+        View {
+            position: self.position,
+            rotation: self.rotation,
+            projection: Projection {
+                fov_y: self.fov_y,
+                aspect: f64::from(width) / f64::from(height),
+                near: self.near,
+                far: self.far,
+            },
+        }
+    }
+}
+
+impl Scene {
+    /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, a camera and a
+    /// sun that fit it.
+    ///
+    /// # Errors
+    /// A file that is missing, damaged, or says what cannot be rendered.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let extension = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            "ron" => file::load(path),
+            "gltf" | "glb" => bare::load(path),
+            _ => Err(SceneError::Unknown {
+                path: path.to_owned(),
+            }),
+        }
+    }
+}
+
+impl Mesh {
+    /// The box around the mesh placed by `transform`; of a mesh without vertices, an empty box.
+    pub fn bounds(&self, transform: &DAffine3) -> Aabb {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for position in &self.positions {
+            let position = transform.transform_point3(position.as_dvec3());
+            (min, max) = (min.min(position), max.max(position));
+        }
+        Aabb { min, max }
+    }
+
+    /// The mesh with three vertices of its own for each triangle, and the triangles' own normals.
+    fn into_flat(self) -> Self {
+        let mut flat = Self::default();
+        for triangle in self.indices.chunks_exact(3) {
+            // Indices were checked when the file was read.
+            let corners = [0, 1, 2].map(|corner| triangle[corner] as usize);
+            let [a, b, c] = corners.map(|corner| self.positions[corner]);
+            // In f64: the cross product of a small triangle's edges would underflow.
+            let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+            let normal = ab.cross(ac).normalize_or_zero().as_vec3();
+            flat.positions.extend([a, b, c]);
+            flat.normals.extend([normal; 3]);
+            flat.uvs.extend(corners.map(|corner| self.uvs[corner]));
+        }
+        flat.indices = (0..flat.positions.len() as u32).collect();
+        flat
+    }
+}
+
+impl Material {
+    /// A plain surface of the given kind: white, rough, casting.
+    pub fn plain(surface: impl Into<String>) -> Self {
+        Self {
+            surface: surface.into(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            alpha_cutoff: None,
+            casts: true,
+        }
+    }
+
+    /// Says which number lies outside its range, where one does.
+    fn check(&self) -> Result<(), String> {
+        let color = self
+            .base_color
+            .to_array()
+            .map(|value| ("base_color", value, f32::MAX));
+        let rest = [
+            ("metallic", self.metallic, 1.0),
+            ("roughness", self.roughness, 1.0),
+            (
+                "alpha_cutoff",
+                self.alpha_cutoff.unwrap_or_default(),
+                f32::MAX,
+            ),
+        ];
+        for (name, value, most) in color.into_iter().chain(rest) {
+            if !(0.0..=most).contains(&value) {
+                let range = if most == 1.0 {
+                    "from 0 to 1"
+                } else {
+                    "finite and not negative"
+                };
+                return Err(format!("`{name}` is {value}, but must be {range}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Metres from the origin beyond which nothing is placed: f32 must hold the squares of distances.
+const FARTHEST: f64 = 1e15;
+
+impl Object {
+    /// A mesh in its place.
+    fn place(
+        name: String,
+        mesh: Arc<Mesh>,
+        material: Arc<Material>,
+        transform: DAffine3,
+    ) -> Result<Self, String> {
+        let bounds = mesh.bounds(&transform);
+        let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        if !transform.is_finite() || bounds.min.is_nan() || farthest.is_nan() || farthest > FARTHEST
+        {
+            return Err(format!(
+                "`{name}` is placed farther than {FARTHEST:e} m from the origin"
+            ));
+        }
+        Ok(Self {
+            name,
+            mesh,
+            material,
+            transform,
+            bounds,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

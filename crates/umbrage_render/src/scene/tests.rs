@@ -1,0 +1,396 @@
+//! Models and scene files, good and bad, made by hand.
+
+use std::{fs, path::PathBuf};
+
+use glam::{DVec3, Vec3};
+use tempfile::TempDir;
+use umbrage_shadow::LightKind;
+
+use super::{Scene, SceneError};
+
+/// Three floats a vertex: a triangle in the plane z = 0, facing +z; then four indices of each width.
+fn triangle_bytes() -> Vec<u8> {
+    let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0_u8, 1, 2, 0]);
+    bytes.extend([0_u16, 1, 2, 0].iter().flat_map(|i| i.to_le_bytes()));
+    bytes.extend([0_u32, 1, 2, 0].iter().flat_map(|i| i.to_le_bytes()));
+    bytes
+}
+
+/// A model of one triangle; each word of `changes` is replaced by its second half.
+fn model(changes: &[(&str, &str)]) -> String {
+    let mut json = r#"{
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "part%20one.bin", "byteLength": 64}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 28}
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3,
+             "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5121, "type": "SCALAR", "count": 3}
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0, "name": "tri"}],
+        "scenes": [{"nodes": [0]}], "scene": 0
+    }"#
+    .to_owned();
+    for (from, to) in changes {
+        assert!(json.contains(from), "{from}");
+        json = json.replace(from, to);
+    }
+    json
+}
+
+fn load_model(changes: &[(&str, &str)], bytes: &[u8]) -> Result<Scene, SceneError> {
+    let dir = TempDir::new().expect("a folder");
+    fs::write(dir.path().join("part one.bin"), bytes).expect("written");
+    let path = dir.path().join("model.gltf");
+    fs::write(&path, model(changes)).expect("written");
+    Scene::load(path)
+}
+
+/// The error's text, without the folder.
+fn refuse(result: Result<Scene, SceneError>) -> String {
+    let message = result.expect_err("refused").to_string();
+    assert!(!message.contains('\n'), "one paragraph: {message}");
+    message
+}
+
+fn assert_refused(changes: &[(&str, &str)], expected: &str) {
+    let message = refuse(load_model(changes, &triangle_bytes()));
+    assert!(message.contains(expected), "{message}\nlacks: {expected}");
+}
+
+#[test]
+fn models_load_with_indices_of_every_width_or_none() {
+    let widths = [
+        vec![],
+        vec![
+            ("5121", "5123"),
+            (
+                r#""bufferView": 1,"#,
+                r#""bufferView": 1, "byteOffset": 4,"#,
+            ),
+        ],
+        vec![
+            ("5121", "5125"),
+            (
+                r#""bufferView": 1,"#,
+                r#""bufferView": 1, "byteOffset": 12,"#,
+            ),
+        ],
+        vec![(r#", "indices": 1"#, "")],
+        vec![(r#""indices": 1"#, r#""indices": 1, "mode": 5"#)],
+        vec![(r#""indices": 1"#, r#""indices": 1, "mode": 6"#)],
+    ];
+    for changes in widths {
+        let scene = load_model(&changes, &triangle_bytes()).expect("loads");
+        let object = &scene.objects[0];
+        assert_eq!(object.name, "tri");
+        assert_eq!(object.mesh.indices, [0, 1, 2]);
+        // It has no normals: they are computed, flat.
+        assert_eq!(object.mesh.normals, [Vec3::Z; 3]);
+        assert_eq!(object.bounds.max, DVec3::new(1.0, 1.0, 0.0));
+        // A bare model gets a ground, a sun and a camera.
+        assert_eq!(scene.objects[1].name, "ground");
+        assert!(matches!(
+            scene.lights[0].light.kind,
+            LightKind::Directional { .. }
+        ));
+    }
+}
+
+#[test]
+fn nodes_pass_their_transforms_down_to_instances() {
+    let nodes = r#"[
+        {"children": [1, 2], "translation": [10, 0, 0], "scale": [2, 2, 2]},
+        {"mesh": 0, "translation": [0, 1, 0]},
+        {"mesh": 0, "matrix": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]"#;
+    let scene = load_model(
+        &[(r#"[{"mesh": 0, "name": "tri"}]"#, nodes)],
+        &triangle_bytes(),
+    );
+    let scene = scene.expect("loads");
+    assert_eq!(scene.objects.len(), 3);
+    assert!(std::sync::Arc::ptr_eq(
+        &scene.objects[0].mesh,
+        &scene.objects[1].mesh
+    ));
+    assert_eq!(scene.objects[0].bounds.min, DVec3::new(10.0, 2.0, 0.0));
+    assert_eq!(scene.objects[1].bounds.min, DVec3::new(8.0, 0.0, 0.0));
+}
+
+#[test]
+fn models_that_lie_about_their_data_are_refused() {
+    assert_refused(
+        &[("\"byteLength\": 64", "\"byteLength\": 65")],
+        "buffers[0]: it has 64 of 65",
+    );
+    assert_refused(
+        &[("\"byteLength\": 36", "\"byteLength\": 999")],
+        "bufferViews[0]: 999 bytes",
+    );
+    assert_refused(
+        &[("\"byteOffset\": 36", "\"byteOffset\": 18446744073709551615")],
+        "bufferViews[1]: 28 bytes from byte 18446744073709551615",
+    );
+    assert_refused(
+        &[(
+            "\"type\": \"VEC3\", \"count\": 3",
+            "\"type\": \"VEC3\", \"count\": 4",
+        )],
+        "accessors[0]: 4 elements of 12 bytes",
+    );
+    assert_refused(
+        &[(
+            "\"SCALAR\", \"count\": 3",
+            "\"SCALAR\", \"count\": 18446744073709551615",
+        )],
+        "accessors[1]: 18446744073709551615 elements",
+    );
+    assert_refused(
+        &[(
+            "\"bufferView\": 0,",
+            "\"bufferView\": 0, \"byteOffset\": 40,",
+        )],
+        "accessors[0]: 3 elements of 12 bytes from byte 40",
+    );
+    assert_refused(
+        &[(
+            "\"byteLength\": 36}",
+            "\"byteLength\": 36, \"byteStride\": 4}",
+        )],
+        "overlap at a stride of 4",
+    );
+    assert_refused(&[("\"VEC3\"", "\"VEC2\"")], "accessors[0]: it is a Vec2");
+    assert_refused(&[("5126", "5123")], "components of type U16");
+    assert_refused(
+        &[("\"POSITION\": 0", "\"POSITION\": 7")],
+        "meshes[0]: it names accessor 7",
+    );
+    assert_refused(
+        &[("\"mesh\": 0", "\"mesh\": 3")],
+        "nodes[0].mesh: index out of bounds",
+    );
+    assert_refused(
+        &[("\"indices\": 1", "\"indices\": 0")],
+        "accessors[0]: it is a Vec3",
+    );
+    assert_refused(
+        &[("\"POSITION\": 0", "\"POSITION\": 0, \"NORMAL\": 1")],
+        "accessors[1]",
+    );
+    assert_refused(&[("\"nodes\": [0]", "\"nodes\": []")], "has no nodes");
+    assert_refused(
+        &[("\"mode\"", "\"mode\"")].map(|_| ("\"mesh\": 0, ", "")),
+        "nothing to see",
+    );
+    assert_refused(
+        &[(
+            "\"version\": \"2.0\"}",
+            "\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_x\"]",
+        )],
+        "unsupported extension",
+    );
+    assert_refused(&[("part%20one.bin", "gone.bin")], "gone.bin");
+    assert_refused(&[("part%20one.bin", "%ff.bin")], "percent-encoded");
+    assert_refused(
+        &[("part%20one.bin", "http://host/x.bin")],
+        "not a relative path",
+    );
+    assert_refused(&[("part%20one.bin", "data:;base64,!")], "bad data URI");
+}
+
+#[test]
+fn indices_beyond_the_vertices_and_numbers_that_are_none_are_refused() {
+    let mut bytes = triangle_bytes();
+    bytes[37] = 3;
+    let message = refuse(load_model(&[], &bytes));
+    assert!(
+        message.contains("accessors[1]: element 1 names vertex 3"),
+        "{message}"
+    );
+
+    let mut bytes = triangle_bytes();
+    bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
+    let message = refuse(load_model(&[], &bytes));
+    assert!(
+        message.contains("accessors[0]: element 1 is [NaN, 0.0, 0.0]"),
+        "{message}"
+    );
+}
+
+#[test]
+fn nodes_that_form_no_tree_or_stand_nowhere_are_refused() {
+    let nodes = |text: &str| {
+        refuse(load_model(
+            &[(r#"[{"mesh": 0, "name": "tri"}]"#, text)],
+            &triangle_bytes(),
+        ))
+    };
+    assert!(nodes(r#"[{"mesh": 0, "children": [0]}]"#).contains("nodes must form a tree"));
+    assert!(nodes(r#"[{"children": [1]}, {"mesh": 0, "children": [0]}]"#).contains("nodes[0]"));
+    assert!(nodes(r#"[{"mesh": 0, "rotation": [0, 0, 0, 0]}]"#).contains("not finite"));
+    assert!(nodes(r#"[{"mesh": 0, "scale": [1e39, 1, 1]}]"#).contains("not finite"));
+    assert!(nodes(r#"[{"mesh": 0, "translation": [1e30, 1, 1]}]"#).contains("farther than"));
+}
+
+#[test]
+fn damaged_files_are_refused() {
+    let dir = TempDir::new().expect("a folder");
+    let load = |name: &str, bytes: &[u8]| {
+        let path = dir.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        refuse(Scene::load(path))
+    };
+    let whole = fs::read(scenes().join("bunny.glb")).expect("a model");
+    for length in [4, 11, 12, 19, 20, 400, whole.len() - 1] {
+        let message = load("cut.glb", &whole[..length]);
+        assert!(message.contains("cut.glb"), "{message}");
+    }
+    let mut lying = whole.clone();
+    lying[8..12].copy_from_slice(&[3, 0, 0, 0]);
+    assert!(load("lying.glb", &lying).contains("3 bytes long"));
+    assert!(load("empty.gltf", b"").contains("no glTF 2.0"));
+    assert!(load("scene.obj", b"").contains("no scene"));
+    assert!(refuse(Scene::load(dir.path().join("gone.glb"))).contains("cannot read"));
+}
+
+fn scenes() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes")
+}
+
+const GOOD: &str = r#"(
+    camera: (position: (0, 1, 5), target: (0, 1, 0)),
+    lights: [
+        (kind: spot(position: (0, 4, 0), target: (0, 0, 0), outer_degrees: 30, range: 10),
+         color: (1, 0.5, 0.25), intensity: 2,
+         shadow: (method: "basic", axes: {"pcf": "5"}, settings: {"resolution": 512})),
+    ],
+    models: [
+        (shape: plane(size: (4, 4), tiles: (2, 2)), surface: "ggx", casts: false),
+        (shape: sphere(radius: 0.5), translation: (1e6, 0, 0), scale: (-1, 1, 1)),
+    ],
+)"#;
+
+fn load_scene(changes: &[(&str, &str)]) -> Result<Scene, SceneError> {
+    let dir = TempDir::new().expect("a folder");
+    let mut text = GOOD.to_owned();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    let path = dir.path().join("test.ron");
+    fs::write(&path, text).expect("written");
+    Scene::load(path)
+}
+
+#[test]
+fn scene_files_load() {
+    let scene = load_scene(&[]).expect("loads");
+    assert!((scene.camera.rotation * DVec3::NEG_Z).abs_diff_eq(DVec3::NEG_Z, 1e-12));
+    assert!(!scene.objects[0].material.casts);
+    assert_eq!(scene.objects[0].material.surface, "ggx");
+    assert_eq!(scene.objects[1].bounds.max.x, 1_000_000.5);
+    let light = &scene.lights[0];
+    assert_eq!(light.light.color, Vec3::new(2.0, 1.0, 0.5));
+    let LightKind::Spot { direction, .. } = light.light.kind else {
+        unreachable!()
+    };
+    assert_eq!(direction, DVec3::NEG_Y);
+    let shadow = light.shadow.as_ref().expect("a shadow");
+    assert_eq!(
+        (shadow.axes["pcf"].as_str(), shadow.settings["resolution"]),
+        ("5", 512.0)
+    );
+}
+
+#[test]
+fn bad_scene_files_are_refused() {
+    let cases = [
+        ("target: (0, 1, 0)", "aim: (0, 1, 0)", "test.ron:2:"),
+        ("casts: false", "cast: false", "test.ron:9:"),
+        ("(shape: plane", "(\"", "test.ron:1"),
+        (
+            "    camera: (position: (0, 1, 5), target: (0, 1, 0)),\n",
+            "",
+            "camera",
+        ),
+        ("(0, 1, 5)", "(NaN, 1, 5)", "camera.position: it is NaN"),
+        (
+            "(0, 1, 5)",
+            "(0, 1, 0)",
+            "camera.target: it is where the camera stands",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "fov_degrees: 30",
+            "either a target or a rotation",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "rotation: quaternion(0, 0, 0, 0)",
+            "camera.rotation: it is no",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "target: (0, 1, 0), near: 5, far: 4",
+            "camera.far: it is 4",
+        ),
+        ("range: 10", "range: -1", "lights[0].range: it is -1"),
+        (
+            "outer_degrees: 30",
+            "outer_degrees: 95",
+            "lights[0].outer_degrees",
+        ),
+        (
+            "outer_degrees: 30",
+            "outer_degrees: 30, inner_degrees: 30",
+            "lights[0].inner_degrees",
+        ),
+        (
+            "target: (0, 0, 0)",
+            "target: (0, 4, 0)",
+            "lights[0].direction: it has no length",
+        ),
+        (
+            "intensity: 2",
+            "intensity: inf",
+            "lights[0].intensity: it is inf",
+        ),
+        (
+            "intensity: 2",
+            "intensity: 2, cookie: \"gone.png\"",
+            "gone.png",
+        ),
+        ("radius: 0.5", "radius: 0", "models[1].shape.radius"),
+        (
+            "radius: 0.5",
+            "radius: 0.5, segments: 2",
+            "models[1].shape.segments",
+        ),
+        ("(-1, 1, 1)", "(inf, 1, 1)", "models[1].scale: it is inf"),
+        (
+            "(-1, 1, 1)",
+            "(1, 1, 1), material: (metallic: 2)",
+            "`metallic` is 2",
+        ),
+        (
+            "shape: sphere(radius: 0.5),",
+            "",
+            "models[1]: a model is either a file or a shape",
+        ),
+        (
+            "shape: sphere(radius: 0.5),",
+            "file: \"gone.glb\",",
+            "gone.glb",
+        ),
+    ];
+    for (from, to, expected) in cases {
+        let message = refuse(load_scene(&[(from, to)]));
+        assert!(message.contains(expected), "{message}\nlacks: {expected}");
+    }
+}
