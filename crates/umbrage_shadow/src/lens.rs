@@ -59,12 +59,11 @@ impl Lens {
         Self::at(position, axes.x_axis, axes.y_axis, -axes.z_axis)
     }
 
-    /// Face 0 to 5 (+x, −x, +y, −y, +z, −z) of a cube map about `position`, in WebGPU's orientation:
-    /// what is drawn through it is where a cube lookup with (point − `position`) finds it. The face
-    /// is the rectangle −1..1. None where there is no such face.
-    pub fn cube_face(position: DVec3, face: usize) -> Option<Self> {
-        let [u, v, axis] = *CUBE_FACES.get(face)?;
-        Some(Self::at(position, u, -v, axis))
+    /// The faces of a cube map about `position` (+x, −x, +y, −y, +z, −z), in WebGPU's orientation: what
+    /// is drawn through them is where a cube lookup with (point − `position`) finds it. Each face is
+    /// the rectangle −1..1.
+    pub fn cube(position: DVec3) -> [Self; 6] {
+        CUBE_FACES.map(|[u, v, axis]| Self::at(position, u, -v, axis))
     }
 
     fn at(position: DVec3, right: DVec3, up: DVec3, forward: DVec3) -> Self {
@@ -247,8 +246,7 @@ mod tests {
                 _ => (5, -r.x, -r.y, r.z),
             };
             let (s, t) = (0.5 * (sc / ma.abs() + 1.0), 0.5 * (tc / ma.abs() + 1.0));
-            for other in 0..6 {
-                let lens = Lens::cube_face(position, other).ok_or(TestCaseError::fail("face"))?;
+            for (other, lens) in Lens::cube(position).into_iter().enumerate() {
                 let clip = lens.matrix(&Rect::square(1.0), 1e-3, 10.0) * (position + r).extend(1.0);
                 let inside = clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w;
                 prop_assert_eq!(inside, other == face);

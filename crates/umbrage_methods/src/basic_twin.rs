@@ -1,0 +1,279 @@
+//! The shader of [`crate::basic`] on the CPU, in f64: the oracle that its pictures are compared with.
+//!
+//! The filter is computed the plain way, as the mean of W × W bilinear comparisons a texel apart, and
+//! so checks the shader's trick of reading two columns (and rows) of texels in one fetch. One thing
+//! follows the shader exactly, since it changes results: the four texels of one fetch are compared
+//! with one depth, the receiver's plane at the fetch's own place. Expect differences where a GPU rounds:
+//! in depth at a shadow's very edge, and in bilinear weights (often 8 bits). Across a cube's edges a
+//! bilinear fetch's texels are found by their directions; hardware may choose others at the corners.
+
+use glam::{DMat4, DVec2, DVec3};
+use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
+
+/// `calc_shadow` for one plan of [`crate::basic`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasicTwin {
+    map: Map,
+    size: u32,
+    /// The filter's width, texels.
+    width: u32,
+    /// Whether the depth compared follows the receiver's plane.
+    receiver_plane: bool,
+    bias: DVec2,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Map {
+    D2 {
+        world_to_map: DMat4,
+        plane_to_map: DMat4,
+    },
+    Cube {
+        light_position: DVec3,
+        projection: DVec2,
+    },
+}
+
+impl BasicTwin {
+    /// The shader's twin for `plan`, the filter's `width` (odd, texels), and whether `receiver_bias`
+    /// is `plane`. None where the plan is not one of `basic`'s.
+    pub fn new(plan: &ShadowPlan, width: u32, receiver_plane: bool) -> Option<Self> {
+        let constants = &plan.constants;
+        let map = match matrix(constants, "world_to_map") {
+            Some(world_to_map) => Map::D2 {
+                world_to_map,
+                plane_to_map: matrix(constants, "plane_to_map")?,
+            },
+            None => {
+                let Value::Vec3(light_position) = constants.get("light_position")? else {
+                    return None;
+                };
+                Map::Cube {
+                    light_position: light_position.as_dvec3(),
+                    projection: pair(constants, "projection")?,
+                }
+            }
+        };
+        let size = plan.textures.first()?.width;
+        Some(Self {
+            map,
+            size,
+            width,
+            receiver_plane,
+            bias: pair(constants, "bias")?,
+        })
+    }
+
+    /// The shadow term at `position_ws` (metres, world axes, relative to the camera) on a plane with
+    /// the unit `normal` (either side; zero where unknown). `depth_at(layer, x, y)` is what the map
+    /// holds.
+    pub fn calc_shadow(
+        &self,
+        position_ws: DVec3,
+        normal: DVec3,
+        depth_at: impl Fn(u32, u32, u32) -> f32,
+    ) -> f64 {
+        let normal = if self.receiver_plane {
+            normal
+        } else {
+            DVec3::ZERO
+        };
+        match &self.map {
+            Map::D2 {
+                world_to_map,
+                plane_to_map,
+            } => {
+                let projected = *world_to_map * position_ws.extend(1.0);
+                let at = projected.truncate() / projected.w;
+                if !(projected.w > 0.0
+                    && (0.0..=1.0).contains(&at.x)
+                    && (0.0..=1.0).contains(&at.y))
+                {
+                    return 1.0;
+                }
+                let plane = *plane_to_map * normal.extend(-normal.dot(position_ws));
+                let slope = self.slope(plane.truncate());
+                self.filter_2d(at, slope, |x, y| depth_at(0, x, y))
+            }
+            Map::Cube {
+                light_position,
+                projection,
+            } => self.filter_cube(position_ws - light_position, normal, *projection, depth_at),
+        }
+    }
+
+    fn slope(&self, plane: DVec3) -> DVec2 {
+        let steepest = DVec2::splat(f64::from(self.size));
+        let depth_part = if plane.z.abs() < 1e-30 {
+            1e-30
+        } else {
+            plane.z
+        };
+        (-plane.truncate() / depth_part).clamp(-steepest, steepest)
+    }
+
+    fn filter_2d(&self, at: DVec3, slope: DVec2, depth_at: impl Fn(u32, u32) -> f32) -> f64 {
+        let size = f64::from(self.size);
+        let lean = slope.abs().element_sum() / size;
+        let depth = at.z + self.bias.x + self.bias.y * at.z + lean;
+        let (columns, rows) = (self.line(at.x), self.line(at.y));
+        let mut lit = 0.0;
+        for row in &rows {
+            for column in &columns {
+                let there = DVec2::new(column.fetch, row.fetch) / size - at.truncate();
+                let reference = (depth + slope.dot(there)).clamp(0.0, 1.0);
+                if reference >= f64::from(depth_at(column.texel, row.texel)) {
+                    lit += column.weight * row.weight;
+                }
+            }
+        }
+        lit
+    }
+
+    /// The texels that the filter about `at` (0..1) reads along one axis.
+    fn line(&self, at: f64) -> Vec<Read> {
+        let (count, last) = (self.width as usize, f64::from(self.size) - 1.0);
+        let middle = at * f64::from(self.size);
+        // W linear fetches a texel apart, each sharing its weight between two texels.
+        let first = (middle - 0.5 * f64::from(self.width)).floor();
+        let mut weights = vec![0.0; count + 1];
+        for fetch in 0..count {
+            let place = middle + fetch as f64 - 0.5 * (f64::from(self.width) - 1.0);
+            let part = (place - 0.5) - (first + fetch as f64);
+            weights[fetch] += (1.0 - part) / f64::from(self.width);
+            weights[fetch + 1] += part / f64::from(self.width);
+        }
+        // The shader reads the texels two by two, at the middle of their weights.
+        let center = |i: usize| first + i as f64 + 0.5;
+        let read = |i: usize| {
+            let (a, b) = (i & !1, i | 1);
+            let fetch =
+                (weights[a] * center(a) + weights[b] * center(b)) / (weights[a] + weights[b]);
+            let texel = (first + i as f64).clamp(0.0, last) as u32;
+            Read {
+                texel,
+                weight: weights[i],
+                fetch,
+            }
+        };
+        (0..=count).map(read).collect()
+    }
+
+    fn filter_cube(
+        &self,
+        offset: DVec3,
+        normal: DVec3,
+        projection: DVec2,
+        depth_at: impl Fn(u32, u32, u32) -> f32,
+    ) -> f64 {
+        let axis = face_axis(offset);
+        let distance = offset.abs().dot(axis);
+        if !(distance > 0.0) {
+            return 1.0;
+        }
+        let texel = 2.0 / f64::from(self.size);
+        let height = normal.dot(offset);
+        let edge = 1e-6 * distance;
+        let tilt = normal
+            / if height >= 0.0 {
+                height.max(edge)
+            } else {
+                height.min(-edge)
+            };
+        let middle = 0.5 * f64::from(self.width - 1);
+        let mut lit = 0.0;
+        for j in 0..self.width {
+            for i in 0..self.width {
+                let cell = DVec2::new(f64::from(i), f64::from(j)) - middle;
+                let right = DVec3::new(axis.y, axis.z, axis.x);
+                let down = DVec3::new(axis.z, axis.x, axis.y);
+                let across = texel * distance * (cell.x * right + cell.y * down);
+                let tap = offset + across;
+                let face = face_axis(tap);
+                let lean = texel * tilt.abs().dot(1.0 - face);
+                let inverse = (1.0 + tilt.dot(across)) / tap.abs().dot(face) + lean;
+                let depth = projection.x + projection.y * inverse;
+                let reference = (depth + self.bias.x + self.bias.y * depth).clamp(0.0, 1.0);
+                lit += self.compare_cube(tap, reference, &depth_at);
+            }
+        }
+        lit / f64::from(self.width * self.width)
+    }
+
+    /// One bilinear comparison in the direction `tap`.
+    fn compare_cube(
+        &self,
+        tap: DVec3,
+        reference: f64,
+        depth_at: impl Fn(u32, u32, u32) -> f32,
+    ) -> f64 {
+        let (lens, _, at) = look_up(tap);
+        let place = at * f64::from(self.size) - 0.5;
+        let (first, part) = (place.floor(), place - place.floor());
+        let mut lit = 0.0;
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let cell = DVec2::new(x, y);
+            let weight = (1.0 - cell - part).abs();
+            // The direction of the texel's centre, on whichever face it is.
+            let place = (first + cell + 0.5) / f64::from(self.size);
+            let clip = DVec3::new(2.0 * place.x - 1.0, 1.0 - 2.0 * place.y, 0.5);
+            let (_, layer, at) = look_up(lens.inverse().project_point3(clip));
+            let texel = (at * f64::from(self.size))
+                .clamp(DVec2::ZERO, DVec2::splat(f64::from(self.size) - 1.0));
+            if reference >= f64::from(depth_at(layer, texel.x as u32, texel.y as u32)) {
+                lit += weight.x * weight.y;
+            }
+        }
+        lit
+    }
+}
+
+/// One texel's part in a filter, along one axis.
+struct Read {
+    texel: u32,
+    weight: f64,
+    /// Where the shader's fetch of it lies, texels.
+    fetch: f64,
+}
+
+/// The axis of the cube's face that `direction` looks at, without its sign.
+fn face_axis(direction: DVec3) -> DVec3 {
+    let along = direction.abs();
+    if along.x >= along.y.max(along.z) {
+        return DVec3::X;
+    }
+    if along.y >= along.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    }
+}
+
+/// The face that `direction` looks at: its matrix, its layer, and where in it (0..1, v down).
+fn look_up(direction: DVec3) -> (DMat4, u32, DVec2) {
+    let axis = face_axis(direction);
+    let layer =
+        2 * axis.dot(DVec3::new(0.0, 1.0, 2.0)) as usize + usize::from(direction.dot(axis) < 0.0);
+    // Any depth range will do.
+    let matrix = Lens::cube(DVec3::ZERO)[layer].matrix(&Rect::square(1.0), 1.0, 2.0);
+    let clip = matrix.project_point3(direction);
+    (
+        matrix,
+        layer as u32,
+        DVec2::new(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y),
+    )
+}
+
+fn matrix(constants: &Constants, name: &str) -> Option<DMat4> {
+    match constants.get(name)? {
+        Value::Mat4(value) => Some(value.as_dmat4()),
+        _ => None,
+    }
+}
+
+fn pair(constants: &Constants, name: &str) -> Option<DVec2> {
+    match constants.get(name)? {
+        Value::Vec2(value) => Some(value.as_dvec2()),
+        _ => None,
+    }
+}

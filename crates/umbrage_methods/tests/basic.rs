@@ -1,0 +1,556 @@
+//! Plans of `basic`, without a GPU: what is fitted, what is drawn, and what its shader makes of it.
+
+use std::{collections::BTreeMap, f64::consts::FRAC_PI_4};
+
+use glam::{DMat4, DQuat, DVec2, DVec3, DVec4, Vec3};
+use proptest::prelude::*;
+use umbrage_methods::{basic::Basic, basic_twin::BasicTwin, registry};
+use umbrage_shadow::*;
+
+fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
+    let chosen = [
+        ("resolution", scene.resolution),
+        ("depth_bias", scene.depth_bias),
+    ];
+    let settings = Settings::check(Basic.settings(), chosen).expect("settings in range");
+    let axes = BTreeMap::from([
+        ("pcf".to_owned(), scene.width.to_string()),
+        ("receiver_bias".to_owned(), "plane".to_owned()),
+    ]);
+    Basic.plan(&Frame {
+        view: &scene.view,
+        light: &scene.light,
+        casters: Casters {
+            casters: &scene.casters,
+            receivers: &scene.receivers,
+        },
+        settings: &settings,
+        axes: &axes,
+    })
+}
+
+#[derive(Clone, Debug)]
+struct Scene {
+    view: View,
+    light: Light,
+    casters: Vec<Aabb>,
+    receivers: Vec<Aabb>,
+    resolution: f64,
+    depth_bias: f64,
+    width: u32,
+}
+
+impl Scene {
+    fn new(kind: LightKind) -> Self {
+        Self {
+            view: View {
+                position: DVec3::ZERO,
+                rotation: DQuat::IDENTITY,
+                projection: Projection {
+                    fov_y: 1.0,
+                    aspect: 1.5,
+                    near: 0.05,
+                    far: 200.0,
+                },
+            },
+            light: Light {
+                kind,
+                color: Vec3::ONE,
+            },
+            casters: Vec::new(),
+            receivers: Vec::new(),
+            resolution: 256.0,
+            depth_bias: 0.5,
+            width: 3,
+        }
+    }
+
+    fn transformed(&self, scale: f64, offset: DVec3) -> Self {
+        let mut scene = self.clone();
+        let place = |p: DVec3| p * scale + offset;
+        scene.view.position = place(self.view.position);
+        scene.view.projection.near *= scale;
+        scene.view.projection.far *= scale;
+        match &mut scene.light.kind {
+            LightKind::Directional { .. } => {}
+            LightKind::Spot {
+                position, range, ..
+            }
+            | LightKind::Point { position, range } => {
+                *position = place(*position);
+                *range *= scale;
+            }
+        }
+        for aabb in scene.casters.iter_mut().chain(&mut scene.receivers) {
+            *aabb = Aabb {
+                min: place(aabb.min),
+                max: place(aabb.max),
+            };
+        }
+        scene
+    }
+}
+
+fn casters(plan: &ShadowPlan) -> Vec<CasterPass> {
+    let passes = plan.passes.iter().map(|pass| match pass {
+        Pass::Casters(pass) => pass.clone(),
+        _ => panic!("{pass:?}"),
+    });
+    passes.collect()
+}
+
+fn matrix(plan: &ShadowPlan, name: &str) -> DMat4 {
+    match plan.constants.get(name) {
+        Some(Value::Mat4(value)) => value.as_dmat4(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn pair(plan: &ShadowPlan, name: &str) -> DVec2 {
+    match plan.constants.get(name) {
+        Some(Value::Vec2(value)) => value.as_dvec2(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn is_finite(plan: &ShadowPlan) -> bool {
+    let constants = [
+        "world_to_map",
+        "plane_to_map",
+        "light_position",
+        "projection",
+        "bias",
+    ];
+    constants.iter().all(|name| match plan.constants.get(name) {
+        Some(Value::Mat4(value)) => value.is_finite(),
+        Some(Value::Vec3(value)) => value.is_finite(),
+        Some(Value::Vec2(value)) => value.is_finite(),
+        _ => true,
+    }) && casters(plan).iter().all(|pass| pass.view_proj.is_finite())
+}
+
+fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+    [-range..range, -range..range, -range..range].prop_map(DVec3::from)
+}
+
+fn boxes() -> impl Strategy<Value = Vec<Aabb>> {
+    let one = (vector(20.0), vector(1.0), 0usize..5).prop_map(|(at, size, flat)| {
+        let mut half = 4.0 * size.abs().powf(3.0);
+        if flat < 3 {
+            half[flat] = 0.0;
+        }
+        Aabb {
+            min: at - half,
+            max: at + half,
+        }
+    });
+    prop::collection::vec(one, 1..8)
+}
+
+fn light() -> impl Strategy<Value = LightKind> {
+    let axis = prop_oneof![
+        vector(1.0).prop_map(|v| v.normalize_or(DVec3::X)),
+        prop::sample::select(DVec3::AXES.map(|axis| -axis).to_vec()),
+    ];
+    (axis, vector(15.0), 0.05..1.4, 5.0..40.0, 0..3).prop_map(
+        |(direction, position, outer_angle, range, kind)| match kind {
+            0 => LightKind::Directional { direction },
+            1 => LightKind::Spot {
+                position,
+                direction,
+                inner_angle: 0.0,
+                outer_angle,
+                range,
+            },
+            _ => LightKind::Point { position, range },
+        },
+    )
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    let camera = (vector(10.0), -3.0..3.0, -1.5..1.5);
+    let size = prop::sample::select(vec![1.0, 2.0, 7.0, 512.0, 2048.0]);
+    (light(), boxes(), boxes(), camera, size, 0u32..8).prop_map(
+        |(kind, casters, receivers, (position, yaw, pitch), resolution, half)| {
+            let mut scene = Scene::new(kind);
+            scene.view.position = position;
+            scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+            Scene {
+                casters,
+                receivers,
+                resolution,
+                width: 2 * half + 1,
+                ..scene
+            }
+        },
+    )
+}
+
+/// Points of the receivers that are seen and that the light may reach, camera-relative.
+fn seen(scene: &Scene, samples: &[DVec3]) -> Vec<DVec3> {
+    let camera = scene.view.frustum();
+    let reached = |point: DVec3| match scene.light.kind {
+        LightKind::Directional { .. } => true,
+        LightKind::Spot {
+            position,
+            direction,
+            outer_angle,
+            range,
+            ..
+        } => {
+            let offset = point - position;
+            let near = offset.dot(direction) > 1e-4 * range;
+            near && offset.length() < range && offset.angle_between(direction) < outer_angle
+        }
+        LightKind::Point { position, range } => {
+            let offset = point - position;
+            offset.length() < range && offset.abs().max_element() > 1e-4 * range
+        }
+    };
+    let points = scene.receivers.iter().flat_map(|r| {
+        let at = move |t: &DVec3| r.center() + 0.5 * *t * (r.max - r.min);
+        samples.iter().map(at).chain(r.corners())
+    });
+    let seen = points.filter(|p| camera.contains(*p) && reached(*p));
+    seen.map(|p| p - scene.view.position).collect()
+}
+
+/// Where a pass draws a camera-relative point.
+fn draws(pass: &CasterPass, point: DVec3) -> Option<DVec3> {
+    let clip = pass.view_proj.as_dmat4() * point.extend(1.0);
+    let at = clip.truncate() / clip.w;
+    (clip.w > 0.0 && at.truncate().abs().max_element() <= 1.0).then_some(at)
+}
+
+proptest! {
+    #[test]
+    fn a_map_holds_the_receivers_seen(
+        scene in scene(), samples in prop::collection::vec(vector(1.0), 16),
+    ) {
+        let plan = plan(&scene)?;
+        prop_assert!(is_finite(&plan));
+        let passes = casters(&plan);
+        for point in seen(&scene, &samples) {
+            let at = passes.iter().find_map(|pass| draws(pass, point));
+            let Some(at) = at else { return Err(TestCaseError::fail("beside the map")) };
+            prop_assert!((0.0..=1.0).contains(&at.z), "depth {}", at.z);
+            if let [_] = passes[..] {
+                // The filter's texels are inside too.
+                let texels = (0.5 * f64::from(scene.width) + 1.0).min(0.2 * scene.resolution);
+                let inner = 1.0 - 2.0 * texels / scene.resolution;
+                prop_assert!(at.truncate().abs().max_element() <= inner, "{at} {inner}");
+            }
+        }
+    }
+
+    /// On the way from any point seen to the light, no caster is missed or cut away.
+    #[test]
+    fn casters_between_are_drawn(
+        scene in scene(), samples in prop::collection::vec(vector(1.0), 8), t in 0.0..1.0,
+    ) {
+        let plan = plan(&scene)?;
+        let passes = casters(&plan);
+        for point in seen(&scene, &samples) {
+            let towards = match scene.light.kind {
+                LightKind::Directional { direction } => direction * -60.0,
+                LightKind::Spot { position, .. } | LightKind::Point { position, .. } => {
+                    (position - scene.view.position - point) * 0.999
+                }
+            };
+            let there = point + t * towards;
+            for (i, caster) in scene.casters.iter().enumerate() {
+                let between = caster.translate(-scene.view.position);
+                if !between.intersects_sphere(there, 0.0) {
+                    continue;
+                }
+                let drawn = passes.iter().any(|pass| {
+                    draws(pass, there).is_some_and(|at| (0.0..=1.0).contains(&at.z))
+                        && pass.casters.contains(&i)
+                });
+                prop_assert!(drawn, "caster {i} at {there}, of {passes:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_from_the_origin_nothing_changes(scene in scene()) {
+        // A power of two, and coordinates that survive it: what is left is the method's own rounding.
+        let snap = |p: DVec3| (p * 1024.0).round() / 1024.0;
+        let mut scene = scene;
+        scene.view.position = snap(scene.view.position);
+        for aabb in scene.casters.iter_mut().chain(&mut scene.receivers) {
+            *aabb = Aabb { min: snap(aabb.min), max: snap(aabb.max) };
+        }
+        if let LightKind::Spot { position, .. } | LightKind::Point { position, .. } =
+            &mut scene.light.kind
+        {
+            *position = snap(*position);
+        }
+        let moved = scene.transformed(1.0, DVec3::new(1e6, -1e6, 1e6));
+        let (near, far) = (plan(&scene)?, plan(&moved)?);
+        prop_assert_eq!(near.passes.len(), far.passes.len());
+        for (a, b) in casters(&near).iter().zip(casters(&far)) {
+            let size = a.view_proj.to_cols_array().iter().fold(0f32, |m, x| m.max(x.abs()));
+            prop_assert!(a.view_proj.abs_diff_eq(b.view_proj, 1e-5 * size));
+            prop_assert_eq!(&a.casters, &b.casters);
+        }
+    }
+
+    #[test]
+    fn any_scale_will_do(scene in scene(), scale in prop::sample::select(vec![1e-3, 1e4])) {
+        let scaled = scene.transformed(scale, DVec3::ZERO);
+        let (plan, scaled) = (plan(&scene)?, plan(&scaled)?);
+        prop_assert!(is_finite(&scaled));
+        for (a, b) in casters(&plan).iter().zip(casters(&scaled)) {
+            let matrix = b.view_proj.as_dmat4() * DMat4::from_scale(DVec3::splat(scale));
+            // Rows, each to its own size: only their ratios to w matter.
+            let weight = b.view_proj.row(3).length() as f64 * scale.min(1.0);
+            prop_assert!(weight > 0.0 && matrix.is_finite());
+            prop_assert_eq!(&a.casters, &b.casters);
+        }
+    }
+
+    #[test]
+    fn the_slope_is_the_planes(scene in scene(), normal in vector(1.0), step in vector(1.0)) {
+        prop_assume!(!matches!(scene.light.kind, LightKind::Point { .. }));
+        let plan = plan(&scene)?;
+        let Some(point) = seen(&scene, &[DVec3::ZERO]).first().copied() else { return Ok(()) };
+        let normal = normal.normalize_or(DVec3::Y);
+        let (to_map, plane_to_map) = (matrix(&plan, "world_to_map"), matrix(&plan, "plane_to_map"));
+        let plane = plane_to_map * DVec4::from((normal, -normal.dot(point)));
+        let slope = -plane.truncate().truncate() / plane.z;
+        prop_assume!(slope.is_finite() && slope.abs().max_element() < 100.0);
+        // The point where the plane is a short way off on the map.
+        let other = point + 1e-3 * step.cross(normal);
+        let (a, b) = (to_map.project_point3(point), to_map.project_point3(other));
+        let along = (b - a).truncate();
+        prop_assume!(along.length() < 0.5);
+        let (rise, expected) = ((b - a).z, slope.dot(along));
+        let scale = (1.0 + slope.length()) * (along.length() + 1e-4) + (b - a).z.abs();
+        prop_assert!((rise - expected).abs() < 2e-2 * scale, "{rise} {expected} {slope}");
+    }
+
+    /// The difference between two biases is what their texels say, in metres.
+    #[test]
+    fn a_bias_is_a_number_of_texels(scene in scene(), texels in 0.25..4.0) {
+        let mut scene = Scene { resolution: 512.0, depth_bias: 0.0, ..scene };
+        let none = plan(&scene)?;
+        scene.depth_bias = texels;
+        let some = plan(&scene)?;
+        let Some(point) = seen(&scene, &[DVec3::ZERO]).first().copied() else { return Ok(()) };
+        let at = casters(&none).iter().find_map(|pass| Some((pass.clone(), draws(pass, point)?)));
+        let Some((pass, at)) = at else { return Err(TestCaseError::fail("beside the map")) };
+        let raised = |plan: &ShadowPlan| at.z + pair(plan, "bias").x + pair(plan, "bias").y * at.z;
+        let place = |z: f64| pass.view_proj.as_dmat4().inverse().project_point3(at.with_z(z));
+        let (from, to) = (place(raised(&none)), place(raised(&some)));
+        // A texel's width at the receiver, the larger of across and down.
+        let unproject = |xy: DVec2| {
+            pass.view_proj.as_dmat4().inverse().project_point3((at.truncate() + xy).extend(at.z))
+        };
+        let texel = [DVec2::X, DVec2::Y]
+            .map(|axis| unproject(axis * 2.0 / 512.0).distance(place(at.z)))
+            .into_iter()
+            .fold(0.0, f64::max);
+        // Along the axis; a ray to the map's side is longer by at most its own slant.
+        let (row, w) = (pass.view_proj.as_dmat4().row(2), pass.view_proj.as_dmat4().row(3));
+        let axis = if w.truncate().length() > 0.0 { w } else { row };
+        let moved = (from - to).dot(axis.truncate().normalize()).abs();
+        let expected = texels * texel;
+        prop_assert!((moved - expected).abs() < 0.03 * expected + 1e-3 * place(at.z).length(),
+            "{moved} m, not {expected} m");
+    }
+}
+
+/// A plane does not shade itself at any tilt, and is shaded by a box above it, for every width.
+#[test]
+fn planes_are_lit_and_covered() {
+    for kind in [
+        LightKind::Directional {
+            direction: DVec3::NEG_Y,
+        },
+        LightKind::Spot {
+            position: DVec3::new(0.3, 4.0, -6.0),
+            direction: DVec3::NEG_Y,
+            inner_angle: 0.3,
+            outer_angle: FRAC_PI_4,
+            range: 30.0,
+        },
+        LightKind::Point {
+            position: DVec3::new(0.3, 4.0, -6.0),
+            range: 30.0,
+        },
+    ] {
+        for degrees in [0.0, 30.0, 60.0, 80.0, 85.0, 89.0] {
+            for width in [1, 3, 5, 7, 15] {
+                check_plane(kind.clone(), f64::to_radians(degrees), width);
+            }
+        }
+    }
+}
+
+fn check_plane(kind: LightKind, tilt: f64, width: u32) {
+    let mut scene = Scene::new(kind.clone());
+    let half = DVec3::new(1.0, 1.0, 1.0);
+    let middle = DVec3::new(0.0, 0.0, -6.0);
+    scene.receivers = vec![Aabb {
+        min: middle - half,
+        max: middle + half,
+    }];
+    scene.casters = scene.receivers.clone();
+    scene.width = width;
+    let plan = plan(&scene).expect("a plan");
+    let twin = BasicTwin::new(&plan, width, true).expect("a plan of basic's");
+    // The receiver: a plane through the box's middle, tilted from facing up.
+    let normal = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(tilt) * DVec3::Y;
+    let passes = casters(&plan);
+    let depth = |height: f64| {
+        let passes = &passes;
+        move |layer: u32, x: u32, y: u32| {
+            let pass = &passes[layer as usize].view_proj.as_dmat4();
+            let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / 256.0;
+            let clip = DVec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+            let inverse = pass.inverse();
+            let at = |z: f64| inverse.project_point3(clip.extend(z));
+            let (near, far) = (at(1.0), at(0.0));
+            let to_plane = |p: DVec3| normal.dot(p - middle) - height;
+            let t = to_plane(near) / (to_plane(near) - to_plane(far));
+            // What lies before the near plane or behind the far one is not drawn.
+            let hit = near + t * (far - near);
+            let z = pass.project_point3(hit).z;
+            if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&z) {
+                z as f32
+            } else {
+                0.0
+            }
+        }
+    };
+    let right = normal.any_orthonormal_vector();
+    for (x, y) in [
+        (0.0, 0.0),
+        (0.31, -0.17),
+        (-0.23, 0.41),
+        (0.5, 0.5),
+        (-0.6, 0.1),
+    ] {
+        let point = middle + 0.6 * (x * right + y * normal.cross(right));
+        let lit = twin.calc_shadow(point, normal, depth(0.0));
+        assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
+        let covered = twin.calc_shadow(point, normal, |_, _, _| 1.0);
+        assert!(
+            covered < 0.001 || tilt > 1.3,
+            "{kind:?} {tilt} {width} at {point}: {covered}"
+        );
+    }
+}
+
+#[test]
+fn the_filter_is_a_box_of_bilinear_comparisons() {
+    let mut scene = Scene::new(LightKind::Directional {
+        direction: DVec3::NEG_Y,
+    });
+    scene.receivers = vec![Aabb {
+        min: DVec3::new(-1.0, -1.0, -7.0),
+        max: DVec3::new(1.0, 0.0, -5.0),
+    }];
+    for width in [1u32, 3, 5, 15] {
+        scene.width = width;
+        let plan = plan(&scene).expect("a plan");
+        let twin = BasicTwin::new(&plan, width, false).expect("a plan of basic's");
+        let to_map = matrix(&plan, "world_to_map");
+        for shift in [0.0, 0.2, 0.5, 0.9] {
+            // A half-plane of shade begins at texel 128: the share beyond is linear in the distance.
+            let at = DVec3::new((128.0 + shift) / 256.0, 0.5, 0.1);
+            let point = to_map.inverse().project_point3(at);
+            let lit = twin.calc_shadow(point, DVec3::ZERO, |_, x, _| f32::from(x >= 128));
+            let expected = 0.5 - shift / f64::from(width);
+            let expected = expected.clamp(0.0, 1.0);
+            assert!(
+                (lit - expected).abs() < 1e-4,
+                "width {width}, {shift}: {lit} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_to_see_is_lit_and_free() {
+    for kind in [
+        LightKind::Directional {
+            direction: DVec3::NEG_Y,
+        },
+        LightKind::Point {
+            position: DVec3::ZERO,
+            range: 1.0,
+        },
+    ] {
+        let plan = plan(&Scene::new(kind)).expect("a plan");
+        assert!(plan.passes.is_empty());
+        assert_eq!(plan.textures[0].width, 1);
+        let twin = BasicTwin::new(&plan, 3, true).expect("a plan of basic's");
+        assert_eq!(
+            twin.calc_shadow(DVec3::new(1.0, 2.0, 3.0), DVec3::Y, |_, _, _| 1.0),
+            1.0
+        );
+    }
+}
+
+#[test]
+fn hard_boxes_have_finite_plans() {
+    let point = |p: DVec3| Aabb { min: p, max: p };
+    let sky = Aabb {
+        min: DVec3::splat(-1e6),
+        max: DVec3::splat(1e6),
+    };
+    let seen = DVec3::new(0.0, 0.0, -3.0);
+    for kind in [
+        LightKind::Directional {
+            direction: DVec3::NEG_Z,
+        },
+        LightKind::Directional {
+            direction: DVec3::Z,
+        },
+        LightKind::Point {
+            position: seen,
+            range: 10.0,
+        },
+    ] {
+        for receiver in [point(seen), sky] {
+            for caster in [point(seen), point(DVec3::ZERO), sky] {
+                let mut scene = Scene::new(kind.clone());
+                scene.receivers = vec![receiver];
+                scene.casters = vec![caster];
+                for resolution in [1.0, 16384.0] {
+                    scene.resolution = resolution;
+                    assert!(is_finite(&plan(&scene).expect("a plan")));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_planned_is_named() {
+    let mut scene = Scene::new(LightKind::Directional {
+        direction: DVec3::NEG_Y,
+    });
+    scene.width = 4;
+    let message = |scene: &Scene| plan(scene).err().map(|e| e.to_string());
+    assert_eq!(
+        message(&scene).as_deref(),
+        Some("the axis `pcf` is 4, but must be odd, 1 to 15")
+    );
+    scene.width = 3;
+    scene.receivers = vec![Aabb {
+        min: DVec3::NAN,
+        max: DVec3::ONE,
+    }];
+    let expected = "the box of receiver 0 is [NaN, NaN, NaN] to [1, 1, 1], \
+        but must be finite, and its corners in order";
+    assert_eq!(message(&scene).as_deref(), Some(expected));
+}
+
+#[test]
+fn the_registry_is_whole() {
+    let registry = registry().expect("names differ");
+    assert_eq!(registry.names().collect::<Vec<_>>(), ["basic"]);
+}
