@@ -31,9 +31,9 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3};
 use umbrage_shadow::{
-    Aabb, CasterPass, Constants, DepthTest, Frame, Frustum, Lens, Light, LightKind, Pass,
-    PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
-    TextureShape, Value, Viewport, overlap,
+    Aabb, Beam, CasterPass, Constants, DepthTest, Extent, Frame, Frustum, Lens, Light, LightKind,
+    Pass, PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
+    TextureShape, Value, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
@@ -66,10 +66,6 @@ const SETTINGS: [Setting; 2] = [
 /// The nearest near plane of a spot or point light, as a share of its range. Reversed depth keeps its
 /// relative precision over this ratio, and more.
 const NEAREST: f64 = 1e-5;
-
-/// Four units in the last place of an f32, relative: what positions, matrices and interpolation are
-/// trusted to.
-const PRECISION: f64 = 1.0 / 4_194_304.0;
 
 /// How much farther than needed the near and far planes stand, relative: beyond any rounding.
 const PADDING: f64 = 1.0 / 8192.0;
@@ -114,42 +110,18 @@ impl ShadowMethod for Basic {
 }
 
 /// A frame's numbers, checked; all else is camera-relative.
-struct Job<'a> {
-    frame: &'a Frame<'a>,
+struct Job {
     origin: DVec3,
     camera: Frustum,
+    casters: Vec<Aabb>,
     receivers: Vec<Aabb>,
     resolution: u32,
     depth_bias: f64,
     width: u32,
 }
 
-/// What a map is fitted to: the receivers seen.
-#[derive(Clone, Copy)]
-struct Seen {
-    /// Where they lie in the lens's plane.
-    rect: Rect,
-    /// The least distance from the light along its axis; metres, as all here.
-    near: f64,
-    /// The greatest.
-    far: f64,
-    /// What an f32 position among them is exact to.
-    precision: f64,
-}
-
-impl Seen {
-    fn union(self, other: Self) -> Self {
-        Self {
-            rect: self.rect,
-            near: self.near.min(other.near),
-            far: self.far.max(other.far),
-            precision: self.precision.max(other.precision),
-        }
-    }
-}
-
-impl<'a> Job<'a> {
-    fn new(frame: &'a Frame<'a>) -> Result<Self, PlanError> {
+impl Job {
+    fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
         frame.validate()?;
         for setting in &SETTINGS {
             let value = frame.settings.get(setting.name);
@@ -177,9 +149,14 @@ impl<'a> Job<'a> {
             .iter()
             .filter(|r| frame.light.reaches(r));
         Ok(Self {
-            frame,
             origin,
             camera: frame.view.frustum_relative(),
+            casters: frame
+                .casters
+                .casters
+                .iter()
+                .map(|c| c.translate(-origin))
+                .collect(),
             receivers: lit.map(|r| r.translate(-origin)).collect(),
             resolution: frame.settings.get("resolution") as u32,
             depth_bias: frame.settings.get("depth_bias"),
@@ -189,33 +166,41 @@ impl<'a> Job<'a> {
 
     fn directional(&self, direction: DVec3) -> ShadowPlan {
         let lens = Lens::directional(direction);
-        let Some(mut seen) = self.seen(&lens, &[&self.camera], DVec3::ZERO) else {
+        let Some(mut seen) = Extent::of(&lens, DVec3::ZERO, &self.receivers, &[&self.camera])
+        else {
             return self.unshadowed(TextureShape::D2);
         };
         let least = seen.precision;
         self.expand(&mut seen, least);
-        let corners = self.casters().flat_map(|(_, caster)| caster.corners());
+        let corners = self.casters.iter().flat_map(Aabb::corners);
         let nearest = corners.map(|p| lens.place(p).1).fold(seen.near, f64::min);
         let padding = PADDING * (seen.far - nearest) + 4.0 * seen.precision;
         seen.far += padding;
-        let casters = self.casters_in(&lens, &seen.rect, nearest - padding, seen.far);
-        seen.near = seen.near.min(casters.near);
+        let beam = Beam::new(
+            &lens,
+            &seen.rect,
+            nearest - padding,
+            seen.far,
+            &self.casters,
+        );
+        seen.near = seen.near.min(beam.near);
         seen.near -= PADDING * (seen.far - seen.near) + 4.0 * seen.precision;
 
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let rounding = seen
             .precision
-            .max(PRECISION * seen.near.abs().max(seen.far.abs()));
+            .max(Extent::PRECISION * seen.near.abs().max(seen.far.abs()));
         let shift = self.depth_bias * texel + 4.0 * rounding;
         let bias = DVec2::new(shift / (seen.far - seen.near), 0.0);
-        self.map(&lens, &seen, casters.indices, bias)
+        self.map(&lens, &seen, beam.casters, bias)
     }
 
     fn spot(&self, position: DVec3, direction: DVec3, angle: f64, range: f64) -> ShadowPlan {
         let lens = Lens::spot(position, direction);
         let floor = NEAREST * range;
         let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
-        let Some(mut seen) = self.seen(&lens, &[&self.camera, &cone], position) else {
+        let Some(mut seen) = Extent::of(&lens, position, &self.receivers, &[&self.camera, &cone])
+        else {
             return self.unshadowed(TextureShape::D2);
         };
         let least = seen.precision / seen.far;
@@ -223,10 +208,10 @@ impl<'a> Job<'a> {
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let nearest_receiver = seen.near;
         seen.far *= 1.0 + PADDING;
-        let casters = self.casters_in(&lens, &seen.rect, floor, seen.far);
-        seen.near = (seen.near.min(casters.near) * (1.0 - PADDING)).max(floor);
+        let beam = Beam::new(&lens, &seen.rect, floor, seen.far, &self.casters);
+        seen.near = (seen.near.min(beam.near) * (1.0 - PADDING)).max(floor);
         let bias = self.perspective_bias(&lens, &seen, texel, nearest_receiver);
-        self.map(&lens, &seen, casters.indices, bias)
+        self.map(&lens, &seen, beam.casters, bias)
     }
 
     /// Every face is cleared in every frame; those in which no receiver is seen draw nothing. So
@@ -239,23 +224,19 @@ impl<'a> Job<'a> {
         let face = Rect::square(1.0);
         let seen = lenses.each_ref().map(|lens| {
             let volume = Frustum::from_matrix(lens.matrix(&reached, floor, range));
-            self.seen(lens, &[&self.camera, &volume], position)
+            Extent::of(lens, position, &self.receivers, &[&self.camera, &volume])
         });
         // All faces share one range of depths: a filter's taps cross from face to face.
-        let Some(mut all) = seen.into_iter().flatten().reduce(Seen::union) else {
+        let Some(mut all) = seen.into_iter().flatten().reduce(Extent::union) else {
             return self.unshadowed(TextureShape::Cube);
         };
         let nearest_receiver = all.near;
         all.far *= 1.0 + PADDING;
-        let casters = std::array::from_fn::<_, 6, _>(|i| {
-            seen[i]
-                .map(|_| self.casters_in(&lenses[i], &face, floor, all.far))
-                .unwrap_or_default()
+        let beams = std::array::from_fn::<_, 6, _>(|i| {
+            let beam = |_| Beam::new(&lenses[i], &face, floor, all.far, &self.casters);
+            seen[i].map_or(Beam::EMPTY, beam)
         });
-        let nearest = casters
-            .iter()
-            .map(|drawn| drawn.near)
-            .fold(all.near, f64::min);
+        let nearest = beams.iter().map(|beam| beam.near).fold(all.near, f64::min);
         all.near = (nearest * (1.0 - PADDING)).max(floor);
 
         let bias = self.perspective_bias(&lenses[0], &all, texel, nearest_receiver);
@@ -263,13 +244,13 @@ impl<'a> Job<'a> {
         let constants = cube_constants(position.as_vec3(), projection.as_vec2(), bias.as_vec2());
         let passes = lenses
             .iter()
-            .zip(casters)
+            .zip(beams)
             .enumerate()
-            .map(|(layer, (lens, drawn))| {
+            .map(|(layer, (lens, beam))| {
                 self.pass(
                     layer as u32,
                     lens.matrix(&face, all.near, all.far),
-                    drawn.indices,
+                    beam.casters,
                 )
             });
         self.plan(
@@ -280,67 +261,28 @@ impl<'a> Job<'a> {
         )
     }
 
-    /// What lies in all of `volumes` of the receivers, seen from the light at `position`.
-    fn seen(&self, lens: &Lens, volumes: &[&Frustum], position: DVec3) -> Option<Seen> {
-        let parts = self
-            .receivers
-            .iter()
-            .flat_map(|receiver| overlap(receiver, volumes));
-        let points: Vec<DVec3> = parts.collect();
-        let rect = Rect::from_points(points.iter().map(|p| lens.place(*p).0))?;
-        let distances = || points.iter().map(|p| lens.place(*p).1);
-        let extent = points
-            .iter()
-            .map(|p| p.length())
-            .fold(position.length(), f64::max);
-        Some(Seen {
-            rect,
-            near: distances().fold(f64::INFINITY, f64::min),
-            far: distances().fold(f64::NEG_INFINITY, f64::max),
-            // A view of its own position alone has no extent, but must not be divided by zero.
-            precision: (PRECISION * extent).max(1e-15),
-        })
-    }
-
     /// How far from its middle a filter reads, texels: half its width, a texel's fetch, and room for
-    /// rounding. At most a quarter of the map.
+    /// rounding.
     fn margin(&self) -> f64 {
-        (0.5 * f64::from(self.width) + 1.5).min(0.25 * f64::from(self.resolution))
+        0.5 * f64::from(self.width) + 1.5
     }
 
     /// Widens the map by its filter's margin, and until its texels are no finer than `least`.
-    fn expand(&self, seen: &mut Seen, least: f64) {
+    fn expand(&self, seen: &mut Extent, least: f64) {
         let resolution = f64::from(self.resolution);
-        let inner = resolution - 2.0 * self.margin();
+        // A map hardly wider than its filter keeps half of itself for what it is to hold.
+        let margin = self.margin().min(0.25 * resolution);
         let size = seen.rect.size().max(DVec2::splat(least * resolution));
-        seen.rect = seen.rect.resized(size * resolution / inner);
-    }
-
-    fn casters(&self) -> impl Iterator<Item = (usize, Aabb)> {
-        let boxes = self.frame.casters.casters.iter().enumerate();
-        boxes.map(|(i, aabb)| (i, aabb.translate(-self.origin)))
-    }
-
-    /// The casters in the part of the light that falls into `rect`, from `near` to `far`.
-    fn casters_in(&self, lens: &Lens, rect: &Rect, near: f64, far: f64) -> Drawn {
-        let beam = Frustum::from_matrix(lens.matrix(rect, near, far));
-        let mut drawn = Drawn::default();
-        for (i, caster) in self.casters() {
-            let inside = overlap(&caster, &[&beam]);
-            let nearest = inside.iter().map(|p| lens.place(*p).1).reduce(f64::min);
-            if let Some(nearest) = nearest {
-                drawn.indices.push(i);
-                drawn.near = drawn.near.min(nearest);
-            }
-        }
-        drawn
+        seen.rect = seen
+            .rect
+            .resized(size * resolution / (resolution - 2.0 * margin));
     }
 
     /// At distance d, depth is A + B / d and a texel is `texel` · d wide, so a shift of k texels is one
     /// by a share s = k · `texel` of d: A + B / (d (1 − s)) = depth + (depth − A) s / (1 − s).
     /// Rounding adds to s; it is worst for the receiver nearest to the light.
-    fn perspective_bias(&self, lens: &Lens, seen: &Seen, texel: f64, nearest: f64) -> DVec2 {
-        let rounding = PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
+    fn perspective_bias(&self, lens: &Lens, seen: &Extent, texel: f64, nearest: f64) -> DVec2 {
+        let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
         // Beyond the whole distance a shift has no meaning.
         let share = (self.depth_bias * texel + 4.0 * rounding).min(0.9);
         let raise = share / (1.0 - share);
@@ -348,7 +290,7 @@ impl<'a> Job<'a> {
     }
 
     /// The plan of one rectangular map.
-    fn map(&self, lens: &Lens, seen: &Seen, casters: Vec<usize>, bias: DVec2) -> ShadowPlan {
+    fn map(&self, lens: &Lens, seen: &Extent, casters: Vec<usize>, bias: DVec2) -> ShadowPlan {
         let clip = lens.matrix(&seen.rect, seen.near, seen.far);
         // Clip space to the map: u right, v down, both 0..1 after the division by w.
         let texture = DMat4::from_cols(
@@ -432,21 +374,6 @@ impl<'a> Job<'a> {
             passes,
             constants,
             fetches_per_pixel: taps * taps,
-        }
-    }
-}
-
-/// The casters of a pass, and the nearest distance from the light at which one begins.
-struct Drawn {
-    indices: Vec<usize>,
-    near: f64,
-}
-
-impl Default for Drawn {
-    fn default() -> Self {
-        Self {
-            indices: Vec::new(),
-            near: f64::INFINITY,
         }
     }
 }

@@ -7,7 +7,7 @@
 //! in depth at a shadow's very edge, and in bilinear weights (often 8 bits). Across a cube's edges a
 //! bilinear fetch's texels are found by their directions; hardware may choose others at the corners.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, Mat4};
 use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
 
 /// `calc_shadow` for one plan of [`crate::basic`].
@@ -25,8 +25,8 @@ pub struct BasicTwin {
 #[derive(Clone, Debug, PartialEq)]
 enum Map {
     D2 {
-        world_to_map: DMat4,
-        plane_to_map: DMat4,
+        world_to_map: Mat4,
+        plane_to_map: Mat4,
     },
     Cube {
         light_position: DVec3,
@@ -83,7 +83,7 @@ impl BasicTwin {
                 world_to_map,
                 plane_to_map,
             } => {
-                let projected = *world_to_map * position_ws.extend(1.0);
+                let projected = world_to_map.as_dmat4() * position_ws.extend(1.0);
                 let at = projected.truncate() / projected.w;
                 if !(projected.w > 0.0
                     && (0.0..=1.0).contains(&at.x)
@@ -91,7 +91,7 @@ impl BasicTwin {
                 {
                     return 1.0;
                 }
-                let plane = *plane_to_map * normal.extend(-normal.dot(position_ws));
+                let plane = plane_to_map.as_dmat4() * normal.extend(-normal.dot(position_ws));
                 let slope = self.slope(plane.truncate());
                 self.filter_2d(at, slope, |x, y| depth_at(0, x, y))
             }
@@ -168,7 +168,7 @@ impl BasicTwin {
     ) -> f64 {
         let axis = face_axis(offset);
         let distance = offset.abs().dot(axis);
-        if !(distance > 0.0) {
+        if distance <= 0.0 || distance.is_nan() {
             return 1.0;
         }
         let texel = 2.0 / f64::from(self.size);
@@ -264,9 +264,9 @@ fn look_up(direction: DVec3) -> (DMat4, u32, DVec2) {
     )
 }
 
-fn matrix(constants: &Constants, name: &str) -> Option<DMat4> {
+fn matrix(constants: &Constants, name: &str) -> Option<Mat4> {
     match constants.get(name)? {
-        Value::Mat4(value) => Some(value.as_dmat4()),
+        Value::Mat4(value) => Some(*value),
         _ => None,
     }
 }

@@ -113,7 +113,8 @@
 //! # Ok::<(), RegistryError>(())
 //! ```
 //!
-//! [`Lens`] and [`overlap`] fit a map to less than everything.
+//! [`Extent`] and [`Beam`] fit a map to less than everything: the receivers seen, and the casters
+//! between them and the light.
 //!
 //! # Does it hold what comes later?
 //! The hardest method in sight is resolution-matched shadow maps (Lefohn et al. 2007): a quadtree of
@@ -138,6 +139,7 @@
 
 mod bounds;
 mod constants;
+mod extent;
 mod fit;
 mod lens;
 mod light;
@@ -150,6 +152,7 @@ mod view;
 
 pub use bounds::{Aabb, Frustum};
 pub use constants::{Constants, Value};
+pub use extent::{Beam, Extent};
 pub use fit::overlap;
 pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};

@@ -1,0 +1,101 @@
+//! What a light's map has to hold, and what is drawn into it.
+
+use glam::DVec3;
+
+use crate::{Aabb, Frustum, Lens, Rect, overlap};
+
+/// What a light's map has to hold: the receivers seen. Lengths in metres; see [`Lens`] for the space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Where they lie in the lens's plane.
+    pub rect: Rect,
+    /// The least distance from the light along its axis.
+    pub near: f64,
+    /// The greatest.
+    pub far: f64,
+    /// What an f32 position among them is exact to; above 0.
+    pub precision: f64,
+}
+
+impl Extent {
+    /// Four units in the last place of an f32, relative: what positions, matrices and interpolation are
+    /// trusted to.
+    pub const PRECISION: f64 = 1.0 / 4_194_304.0;
+
+    /// The parts of `receivers` that lie in all of `volumes`, from a light at `position` (zero if it
+    /// has none); none where there is no such part. A perspective lens wants a volume that keeps
+    /// off the light.
+    pub fn of(
+        lens: &Lens,
+        position: DVec3,
+        receivers: &[Aabb],
+        volumes: &[&Frustum],
+    ) -> Option<Self> {
+        let parts = receivers
+            .iter()
+            .flat_map(|receiver| overlap(receiver, volumes));
+        let points: Vec<DVec3> = parts.collect();
+        let places = || points.iter().map(|p| lens.place(*p));
+        let reach = points
+            .iter()
+            .map(|p| p.length())
+            .fold(position.length(), f64::max);
+        Some(Self {
+            rect: Rect::from_points(places().map(|(at, _)| at))?,
+            near: places()
+                .map(|(_, distance)| distance)
+                .fold(f64::INFINITY, f64::min),
+            far: places()
+                .map(|(_, distance)| distance)
+                .fold(f64::NEG_INFINITY, f64::max),
+            // A receiver that is one point at the origin has no reach, and is divided by.
+            precision: (Self::PRECISION * reach).max(1e-15),
+        })
+    }
+
+    /// What holds both.
+    pub fn union(self, other: Self) -> Self {
+        let (a, b) = (self.rect, other.rect);
+        Self {
+            rect: Rect {
+                min: a.min.min(b.min),
+                max: a.max.max(b.max),
+            },
+            near: self.near.min(other.near),
+            far: self.far.max(other.far),
+            precision: self.precision.max(other.precision),
+        }
+    }
+}
+
+/// The casters in a part of a light's volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beam {
+    /// Their indices, ascending.
+    pub casters: Vec<usize>,
+    /// The least distance from the light at which one begins, inside the beam; metres, infinite
+    /// where there is none.
+    pub near: f64,
+}
+
+impl Beam {
+    /// Nothing.
+    pub const EMPTY: Self = Self {
+        casters: Vec::new(),
+        near: f64::INFINITY,
+    };
+
+    /// Those of `casters` that reach into `rect` of the lens's plane between `near` and `far`.
+    pub fn new(lens: &Lens, rect: &Rect, near: f64, far: f64, casters: &[Aabb]) -> Self {
+        let volume = Frustum::from_matrix(lens.matrix(rect, near, far));
+        let mut beam = Self::EMPTY;
+        for (i, caster) in casters.iter().enumerate() {
+            let inside = overlap(caster, &[&volume]);
+            if let Some(nearest) = inside.iter().map(|p| lens.place(*p).1).reduce(f64::min) {
+                beam.casters.push(i);
+                beam.near = beam.near.min(nearest);
+            }
+        }
+        beam
+    }
+}
