@@ -69,7 +69,8 @@ impl Axes {
 
     /// The value that `key` gives `axis`: its own, or the default.
     pub fn value<'a>(&'a self, key: &'a Key, axis: &str) -> Option<&'a str> {
-        key.get(axis).or_else(|| self.axes.get(axis)?.default.as_deref())
+        key.get(axis)
+            .or_else(|| self.axes.get(axis)?.default.as_deref())
     }
 
     /// Every flag that some value sets.
@@ -103,7 +104,12 @@ impl Axes {
             None => {
                 let message = format!("axis `{}` has no value `{value}`", axis.name);
                 let known: Vec<_> = axis.values().collect();
-                Err(suggest(Fault::new(Cause::Key, message), value, "values", &known))
+                Err(suggest(
+                    Fault::new(Cause::Key, message),
+                    value,
+                    "values",
+                    &known,
+                ))
             }
         }
     }
@@ -155,7 +161,9 @@ impl Axes {
     }
 
     pub(crate) fn excluded(&self, key: &Key) -> Option<&Rule> {
-        self.rules.iter().find(|rule| rule.excludes(|axis| self.value(key, axis)))
+        self.rules
+            .iter()
+            .find(|rule| rule.excludes(|axis| self.value(key, axis)))
     }
 
     /// Takes in the axes of a package: new axes, and new values for known ones.
@@ -170,11 +178,15 @@ impl Axes {
                     .check_axis(name)
                     .map_err(|fault| fault.at(ron_text::literal(source, &[name])))?;
                 for value in values {
-                    self.check_value(axis, value)
-                        .map_err(|fault| fault.at(ron_text::literal(source, &["exclude", name, value])))?;
+                    self.check_value(axis, value).map_err(|fault| {
+                        fault.at(ron_text::literal(source, &["exclude", name, value]))
+                    })?;
                 }
             }
-            self.rules.push(Rule { exclude: rule.exclude, reason: rule.reason });
+            self.rules.push(Rule {
+                exclude: rule.exclude,
+                reason: rule.reason,
+            });
         }
         Ok(())
     }
@@ -205,7 +217,11 @@ impl Axes {
             };
             let effect = Effect {
                 root: effect.root.map(own),
-                bind: effect.bind.into_iter().map(|(k, v)| (own(k), own(v))).collect(),
+                bind: effect
+                    .bind
+                    .into_iter()
+                    .map(|(k, v)| (own(k), own(v)))
+                    .collect(),
                 features: effect.features,
             };
             if axis.values.insert(value.clone(), effect).is_some() {

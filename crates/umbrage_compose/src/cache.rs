@@ -54,7 +54,10 @@ pub(crate) enum Look {
 impl DiskCache {
     pub(crate) fn open(dir: PathBuf) -> Result<Self, Error> {
         let unusable = |error: io::Error| {
-            let message = format!("the cache folder `{}` cannot be used: {error}", dir.display());
+            let message = format!(
+                "the cache folder `{}` cannot be used: {error}",
+                dir.display()
+            );
             Fault::new(Cause::File, message).note("name a folder that can be made and written to")
         };
         fs::create_dir_all(&dir).map_err(unusable)?;
@@ -115,7 +118,10 @@ impl DiskCache {
             file.persist(&path).map(drop).map_err(|error| error.error)
         });
         let error = result.err()?;
-        Some(format!("the cache entry `{}` cannot be written: {error}", path.display()))
+        Some(format!(
+            "the cache entry `{}` cannot be written: {error}",
+            path.display()
+        ))
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -126,10 +132,15 @@ impl DiskCache {
 fn drop_entry(path: &Path, reason: &str) -> Look {
     let gone = match fs::remove_file(path) {
         Ok(()) => "it is dropped and made anew".to_owned(),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => "another process dropped it".to_owned(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            "another process dropped it".to_owned()
+        }
         Err(error) => format!("it cannot be dropped: {error}"),
     };
-    Look::Dropped(format!("the cache entry `{}` is no good ({reason}); {gone}", path.display()))
+    Look::Dropped(format!(
+        "the cache entry `{}` is no good ({reason}); {gone}",
+        path.display()
+    ))
 }
 
 fn encode(permutation: &Permutation) -> io::Result<Vec<u8>> {
@@ -146,7 +157,9 @@ fn encode(permutation: &Permutation) -> io::Result<Vec<u8>> {
 }
 
 fn decode(bytes: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'static str> {
-    let rest = bytes.strip_prefix(HEADER).ok_or("it is of another format")?;
+    let rest = bytes
+        .strip_prefix(HEADER)
+        .ok_or("it is of another format")?;
     let (hash, payload) = rest.split_at_checked(32).ok_or("it is cut short")?;
     if blake3::hash(payload).as_bytes() != hash {
         return Err("its contents do not fit its hash");
@@ -156,5 +169,10 @@ fn decode(bytes: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'sta
         return Err("it is of another key");
     }
     let info = validate(&entry.module, target).map_err(|_| "its module is not valid")?;
-    Ok(Permutation { key: entry.key, module: entry.module, info, reflection: entry.reflection })
+    Ok(Permutation {
+        key: entry.key,
+        module: entry.module,
+        info,
+        reflection: entry.reflection,
+    })
 }

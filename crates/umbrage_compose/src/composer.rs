@@ -67,8 +67,18 @@ pub enum Source {
 impl Composer {
     /// A composer for `library` and `target`.
     pub fn new(library: Library, target: Target) -> Self {
-        let modules = library.sources().iter().map(|_| RwLock::default()).collect();
-        Self { library, target, disk: None, memory: RwLock::default(), modules }
+        let modules = library
+            .sources()
+            .iter()
+            .map(|_| RwLock::default())
+            .collect();
+        Self {
+            library,
+            target,
+            disk: None,
+            memory: RwLock::default(),
+            modules,
+        }
     }
 
     /// The same, with a disk cache in the folder `dir`, which is made if need be.
@@ -76,7 +86,10 @@ impl Composer {
     /// # Errors
     /// A folder that cannot be made or written to.
     pub fn with_disk_cache(self, dir: impl Into<PathBuf>) -> Result<Self, Error> {
-        Ok(Self { disk: Some(DiskCache::open(dir.into())?), ..self })
+        Ok(Self {
+            disk: Some(DiskCache::open(dir.into())?),
+            ..self
+        })
     }
 
     /// The library.
@@ -105,7 +118,11 @@ impl Composer {
     /// Faults in the modules that the key leads to, and what the target does not allow.
     pub fn compose(&self, key: &Key) -> Result<Composed, Error> {
         if let Some(permutation) = self.remembered(key) {
-            return Ok(Composed { permutation, source: Source::Memory, warnings: Vec::new() });
+            return Ok(Composed {
+                permutation,
+                source: Source::Memory,
+                warnings: Vec::new(),
+            });
         }
         let composed = self.compose_new(key).map_err(|fault| fault.key(key))?;
         self.remember(key, &composed.permutation);
@@ -116,77 +133,133 @@ impl Composer {
         let (request, found) = self.read(key)?;
         let projected = project(&self.library, key, &found);
         if let Some(permutation) = self.remembered(&projected) {
-            return Ok(Composed { permutation, source: Source::Memory, warnings: Vec::new() });
+            return Ok(Composed {
+                permutation,
+                source: Source::Memory,
+                warnings: Vec::new(),
+            });
         }
         let mut warnings = Vec::new();
         let name = self.disk.as_ref().map(|disk| {
-            (disk, DiskCache::name(&self.library, &self.target, &projected, &found))
+            (
+                disk,
+                DiskCache::name(&self.library, &self.target, &projected, &found),
+            )
         });
         if let Some((disk, name)) = &name {
             match disk.look(name, &projected, &self.target) {
                 Look::Found(permutation) => {
                     let permutation = Arc::new(*permutation);
                     self.remember(&projected, &permutation);
-                    return Ok(Composed { permutation, source: Source::Disk, warnings });
+                    return Ok(Composed {
+                        permutation,
+                        source: Source::Disk,
+                        warnings,
+                    });
                 }
                 Look::Missing => {}
                 Look::Dropped(warning) => warnings.push(warning),
             }
         }
-        let with = WithFeatures { composer: self, enabled: &request.features };
+        let with = WithFeatures {
+            composer: self,
+            enabled: &request.features,
+        };
         let linked = link(&self.library, &request, &with, Roots::EntryPoints)?;
-        let permutation = Permutation::new(&self.library, &self.target, projected.clone(), linked)?;
+        let permutation = Permutation::new(
+            &self.library,
+            &self.target,
+            projected.clone(),
+            (request.root, linked),
+        )?;
         if let Some((disk, name)) = &name {
             warnings.extend(disk.keep(name, &permutation));
         }
         let permutation = Arc::new(permutation);
         self.remember(&projected, &permutation);
-        Ok(Composed { permutation, source: Source::Linked, warnings })
+        Ok(Composed {
+            permutation,
+            source: Source::Linked,
+            warnings,
+        })
     }
 
     /// Links all that the module numbered `root` declares.
     pub(crate) fn link_declarations(&self, request: &Request) -> Result<Permutation, Fault> {
-        let with = WithFeatures { composer: self, enabled: &request.features };
+        let with = WithFeatures {
+            composer: self,
+            enabled: &request.features,
+        };
         let linked = link(&self.library, request, &with, Roots::Declarations)?;
-        Permutation::new(&self.library, &self.target, Key::default(), linked)
+        Permutation::new(
+            &self.library,
+            &self.target,
+            Key::default(),
+            (request.root, linked),
+        )
     }
 
     /// Reads the modules that `key` leads to.
     fn read(&self, key: &Key) -> Result<(Request, Dependencies), Fault> {
         let request = self.library.request(key)?;
-        let with = WithFeatures { composer: self, enabled: &request.features };
+        let with = WithFeatures {
+            composer: self,
+            enabled: &request.features,
+        };
         let found = dependencies(&self.library, &request, &with)?;
         Ok((request, found))
     }
 
     // A poisoned lock guards a map that is whole all the same: entries go in by one call.
     fn remembered(&self, key: &Key) -> Option<Arc<Permutation>> {
-        let memory = self.memory.read().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let memory = self
+            .memory
+            .read()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         memory.get(key).cloned()
     }
 
     fn remember(&self, key: &Key, permutation: &Arc<Permutation>) {
-        let mut memory = self.memory.write().unwrap_or_else(std::sync::PoisonError::into_inner);
-        memory.entry(key.clone()).or_insert_with(|| permutation.clone());
+        let mut memory = self
+            .memory
+            .write()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        memory
+            .entry(key.clone())
+            .or_insert_with(|| permutation.clone());
     }
 
     fn entry(&self, module: usize, enabled: &FeatureSet) -> Result<Arc<Entry>, Fault> {
         let lock = &self.modules[module];
         let agrees = |entries: &[Arc<Entry>]| {
-            entries.iter().find(|entry| entry.prepared.consulted.agrees(enabled)).cloned()
+            entries
+                .iter()
+                .find(|entry| entry.prepared.consulted.agrees(enabled))
+                .cloned()
         };
-        let known = agrees(&lock.read().unwrap_or_else(std::sync::PoisonError::into_inner));
+        let known = agrees(
+            &lock
+                .read()
+                .unwrap_or_else(std::sync::PoisonError::into_inner),
+        );
         if let Some(entry) = known {
             return Ok(entry);
         }
-        let features = Features { names: self.library.features(), enabled };
+        let features = Features {
+            names: self.library.features(),
+            enabled,
+        };
         let prepared = Arc::new(prepare(&self.library, module, &features)?);
-        let mut entries = lock.write().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut entries = lock
+            .write()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         // Another thread may have been faster.
         if let Some(entry) = agrees(&entries) {
             return Ok(entry);
         }
-        let same_text = entries.iter().find(|entry| entry.prepared.text == prepared.text);
+        let same_text = entries
+            .iter()
+            .find(|entry| entry.prepared.text == prepared.text);
         let unit = same_text.map_or_else(Arc::default, |entry| entry.unit.clone());
         let entry = Arc::new(Entry { prepared, unit });
         entries.push(entry.clone());
@@ -210,6 +283,9 @@ impl Units for WithFeatures<'_> {
     fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
         let entry = self.composer.entry(module, self.enabled)?;
         let library = &self.composer.library;
-        entry.unit.get_or_init(|| parse(library, module, &entry.prepared).map(Arc::new)).clone()
+        entry
+            .unit
+            .get_or_init(|| parse(library, module, &entry.prepared).map(Arc::new))
+            .clone()
     }
 }

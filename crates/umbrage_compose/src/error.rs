@@ -106,9 +106,13 @@ impl Fault {
             Label::secondary((), start..end)
         };
         let message = if primary { self.message.as_str() } else { "" };
-        let diagnostic = if primary { Diagnostic::error() } else { Diagnostic::note() }
-            .with_message(message)
-            .with_labels(vec![label.with_message(place.label)]);
+        let diagnostic = if primary {
+            Diagnostic::error()
+        } else {
+            Diagnostic::note()
+        }
+        .with_message(message)
+        .with_labels(vec![label.with_message(place.label)]);
         let config = term::Config::default();
         let mut rendered = String::new();
         if term::emit_to_string(&mut rendered, &config, &file, &diagnostic).is_ok() {
@@ -122,8 +126,14 @@ impl Fault {
 
     pub(crate) fn in_file(mut self, file: impl Into<String>, line: usize, column: usize) -> Self {
         let file = file.into();
-        self.snippets.push_str(&format!("  --> {file}:{line}:{column}\n"));
-        self.locations.push(Location { file, line, column, label: String::new() });
+        self.snippets
+            .push_str(&format!("  --> {file}:{line}:{column}\n"));
+        self.locations.push(Location {
+            file,
+            line,
+            column,
+            label: String::new(),
+        });
         self
     }
 
@@ -172,7 +182,7 @@ impl std::error::Error for Fault {}
 
 /// One or more faults.
 #[derive(Clone, Debug)]
-pub struct Error(Box<Vec<Fault>>);
+pub struct Error(Vec<Fault>);
 
 impl Error {
     /// The faults, one at the least.
@@ -182,17 +192,17 @@ impl Error {
 
     /// The faults, by value.
     pub fn into_faults(self) -> Vec<Fault> {
-        *self.0
+        self.0
     }
 
     pub(crate) fn all(faults: Vec<Fault>) -> Self {
-        Self(Box::new(faults))
+        Self(faults)
     }
 }
 
 impl From<Fault> for Error {
     fn from(fault: Fault) -> Self {
-        Self(Box::new(vec![fault]))
+        Self(vec![fault])
     }
 }
 

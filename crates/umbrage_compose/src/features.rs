@@ -11,7 +11,13 @@ pub(crate) struct FeatureNames(HashMap<String, usize>);
 impl FeatureNames {
     pub(crate) fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let names: BTreeSet<_> = names.into_iter().collect();
-        Self(names.into_iter().enumerate().map(|(index, name)| (name.to_owned(), index)).collect())
+        Self(
+            names
+                .into_iter()
+                .enumerate()
+                .map(|(index, name)| (name.to_owned(), index))
+                .collect(),
+        )
     }
 
     pub(crate) fn number(&self, name: &str) -> Option<usize> {
@@ -66,7 +72,8 @@ impl Consulted {
     /// Whether `enabled` gives the same answers.
     pub(crate) fn agrees(&self, enabled: &FeatureSet) -> bool {
         let words = self.asked.0.len();
-        (0..words).all(|index| enabled.word(index) & self.asked.word(index) == self.found.word(index))
+        (0..words)
+            .all(|index| enabled.word(index) & self.asked.word(index) == self.found.word(index))
     }
 
     pub(crate) fn union(&mut self, other: &Self) {
@@ -87,10 +94,14 @@ impl Features<'_> {
     pub(crate) fn get(&self, name: &str, consulted: &mut Consulted) -> Result<bool, Fault> {
         let Some(number) = self.names.number(name) else {
             let fault = Fault::new(Cause::Syntax, format!("no axis sets the feature `{name}`"));
-            return Err(match nearest(name, self.names.iter().map(|(name, _)| name)) {
-                Some(near) => fault.note(format!("did you mean `{near}`?")),
-                None => fault.note("declare it in the package's axes.ron, among an axis's values"),
-            });
+            return Err(
+                match nearest(name, self.names.iter().map(|(name, _)| name)) {
+                    Some(near) => fault.note(format!("did you mean `{near}`?")),
+                    None => {
+                        fault.note("declare it in the package's axes.ron, among an axis's values")
+                    }
+                },
+            );
         };
         let enabled = self.enabled.contains(number);
         consulted.asked.insert(number);

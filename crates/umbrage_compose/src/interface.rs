@@ -38,7 +38,9 @@ pub(crate) fn check(
                 .global_declarations
                 .iter()
                 .filter(|node| crate::names::declared(node).as_ref() == Some(name))
-                .map(|node| source.place(node.span().start..header_end(&source.text, node.span().start)))
+                .map(|node| {
+                    source.place(node.span().start..header_end(&source.text, node.span().start))
+                })
                 .next();
             let found = written(library, implementation.0, name);
             let fault = Fault::new(Cause::Interface, message);
@@ -46,7 +48,9 @@ pub(crate) fn check(
                 Some(place) => fault.at(place),
                 None => fault.at(source.find(name)),
             };
-            return Err(fault.note(format!("expected {expected}")).note(format!("found    {found}")));
+            return Err(fault
+                .note(format!("expected {expected}"))
+                .note(format!("found    {found}")));
         }
     }
     Ok(())
@@ -55,10 +59,12 @@ pub(crate) fn check(
 /// The function's header as its author wrote it.
 fn written(library: &Library, module: usize, name: &str) -> String {
     let text = &library.source(module).text;
-    let start = text
-        .match_indices("fn ")
-        .map(|(at, _)| at)
-        .find(|at| text[at + 3..].trim_start().strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('(')));
+    let start = text.match_indices("fn ").map(|(at, _)| at).find(|at| {
+        text[at + 3..]
+            .trim_start()
+            .strip_prefix(name)
+            .is_some_and(|rest| rest.trim_start().starts_with('('))
+    });
     match start {
         Some(start) => {
             let header = &text[start..header_end(text, start)];
@@ -77,8 +83,15 @@ fn header_end(text: &str, start: usize) -> usize {
 /// The types of the function's parameters and result, in words that are the same in every unit.
 fn signature(unit: &Unit, handle: Handle<Function>) -> (Vec<String>, Option<String>) {
     let function = &unit.module.functions[handle];
-    let arguments = function.arguments.iter().map(|a| describe(unit, &unit.module, a.ty)).collect();
-    let result = function.result.as_ref().map(|result| describe(unit, &unit.module, result.ty));
+    let arguments = function
+        .arguments
+        .iter()
+        .map(|a| describe(unit, &unit.module, a.ty))
+        .collect();
+    let result = function
+        .result
+        .as_ref()
+        .map(|result| describe(unit, &unit.module, result.ty));
     (arguments, result)
 }
 

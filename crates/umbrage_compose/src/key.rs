@@ -18,7 +18,9 @@ impl Key {
 
     /// The axes that are not at their default, with their values.
     pub fn choices(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0.iter().map(|(axis, value)| (axis.as_str(), value.as_str()))
+        self.0
+            .iter()
+            .map(|(axis, value)| (axis.as_str(), value.as_str()))
     }
 }
 

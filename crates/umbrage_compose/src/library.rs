@@ -76,8 +76,11 @@ impl Library {
                 axes.merge(&package.name, source)?;
             }
         }
-        let by_path: HashMap<_, _> =
-            sources.iter().enumerate().map(|(index, source)| (source.path.clone(), index)).collect();
+        let by_path: HashMap<_, _> = sources
+            .iter()
+            .enumerate()
+            .map(|(index, source)| (source.path.clone(), index))
+            .collect();
         let features = FeatureNames::new(axes.features());
         let library = Self(Arc::new(Inner {
             packages: entries,
@@ -142,7 +145,11 @@ impl Library {
     pub(crate) fn package_name<'a>(&'a self, package: usize, name: &'a str) -> Option<&'a str> {
         let dependency = self.0.packages[package].dependencies.get(name);
         let name = dependency.map_or(name, |dependency| dependency.package.as_str());
-        self.0.packages.iter().any(|known| known.name == name).then_some(name)
+        self.0
+            .packages
+            .iter()
+            .any(|known| known.name == name)
+            .then_some(name)
     }
 
     pub(crate) fn own_package_name(&self, package: usize) -> &str {
@@ -155,7 +162,11 @@ impl Library {
 
     /// The module and offset of a place in linked modules' spans.
     pub(crate) fn locate(&self, offset: usize) -> Option<(usize, usize)> {
-        let index = self.0.sources.partition_point(|source| source.base <= offset).checked_sub(1)?;
+        let index = self
+            .0
+            .sources
+            .partition_point(|source| source.base <= offset)
+            .checked_sub(1)?;
         let within = offset - self.0.sources[index].base;
         (within <= self.0.sources[index].text.len()).then_some((index, within))
     }
@@ -182,8 +193,11 @@ impl Library {
             }
         }
         request.root = root.ok_or_else(|| {
-            Fault::new(Cause::Key, format!("the key {key} names no module to start from"))
-                .note("give some axis's value a `root` in axes.ron")
+            Fault::new(
+                Cause::Key,
+                format!("the key {key} names no module to start from"),
+            )
+            .note("give some axis's value a `root` in axes.ron")
         })?;
         Ok(request)
     }
@@ -192,7 +206,11 @@ impl Library {
     fn check_axes(&self, packages: &[Package]) -> Result<(), Error> {
         for axis in self.axes().iter() {
             for (value, effect) in &axis.values {
-                let modules = effect.bind.iter().flat_map(|(k, v)| [k, v]).chain(&effect.root);
+                let modules = effect
+                    .bind
+                    .iter()
+                    .flat_map(|(k, v)| [k, v])
+                    .chain(&effect.root);
                 for path in modules {
                     if self.module(path).is_none() {
                         let fault = self.no_module(Cause::Manifest, path);
@@ -228,10 +246,13 @@ impl Library {
 
 fn locate_axis(fault: Fault, packages: &[Package], axis: &str, value: &str) -> Fault {
     let quoted = |name: &str| format!("\"{name}\"");
-    let file = packages.iter().filter_map(|package| package.axes.as_ref()).find(|source| {
-        let at = source.text.find(&quoted(axis));
-        at.is_some_and(|at| source.text[at..].contains(&quoted(value)))
-    });
+    let file = packages
+        .iter()
+        .filter_map(|package| package.axes.as_ref())
+        .find(|source| {
+            let at = source.text.find(&quoted(axis));
+            at.is_some_and(|at| source.text[at..].contains(&quoted(value)))
+        });
     match file {
         Some(source) => fault.at(crate::ron_text::literal(source, &[axis, "values", value])),
         None => fault,
@@ -243,7 +264,9 @@ fn with_dependencies(mut packages: Vec<Package>) -> Result<Vec<Package>, Error> 
     let mut next = 0;
     while next < packages.len() {
         for dependency in packages[next].dependencies.clone().into_values() {
-            let known = packages.iter().any(|package| package.name == dependency.package);
+            let known = packages
+                .iter()
+                .any(|package| package.name == dependency.package);
             if let (false, Some(path)) = (known, &dependency.path) {
                 packages.push(Package::load(&dependency.package, path)?);
             }
@@ -251,10 +274,15 @@ fn with_dependencies(mut packages: Vec<Package>) -> Result<Vec<Package>, Error> 
         next += 1;
     }
     packages.sort_by(|a, b| a.name.cmp(&b.name));
-    match packages.windows(2).find(|pair| pair[0].name == pair[1].name) {
+    match packages
+        .windows(2)
+        .find(|pair| pair[0].name == pair[1].name)
+    {
         Some(pair) => {
             let message = format!("two packages are called `{}`", pair[0].name);
-            Err(Fault::new(Cause::Manifest, message).note("give one of them another name").into())
+            Err(Fault::new(Cause::Manifest, message)
+                .note("give one of them another name")
+                .into())
         }
         None => Ok(packages),
     }

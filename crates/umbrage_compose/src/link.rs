@@ -11,11 +11,11 @@ use std::{
 use naga::{
     AddressSpace, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle,
     Module, Override, ResourceBinding, Span, Statement, Type, TypeInner,
+    diagnostic_filter::DiagnosticFilterNode,
 };
 
 use crate::{
-    Cause, Fault, Library,
-    interface,
+    Cause, Fault, Library, interface,
     library::Request,
     names::Item,
     reach::{FunctionId, Reach, reach},
@@ -49,9 +49,15 @@ pub(crate) fn link(
     units: &dyn Units,
     roots: Roots,
 ) -> Result<Linked, Fault> {
-    let mut targets = Targets { library, request, units, known: HashMap::new(), checked: HashSet::new() };
+    let mut targets = Targets {
+        library,
+        request,
+        units,
+        known: HashMap::new(),
+        checked: HashSet::new(),
+    };
     let reach = reach(&mut targets, request.root, roots)?;
-    let mut linker = Linker {
+    let linker = Linker {
         targets,
         reach,
         roots,
@@ -112,7 +118,11 @@ impl Targets<'_> {
             Some(&bound) => {
                 if bound != item.module && self.checked.insert(item.module) {
                     let (contract, implementation) = (self.unit(item.module)?, self.unit(bound)?);
-                    interface::check(self.library, (item.module, &contract), (bound, &implementation))?;
+                    interface::check(
+                        self.library,
+                        (item.module, &contract),
+                        (bound, &implementation),
+                    )?;
                 }
                 Ok(bound)
             }
@@ -127,7 +137,10 @@ impl Targets<'_> {
 
     fn not_callable(&self, caller: usize, module: usize, item: &Item) -> Fault {
         let path = &self.library.source(module).path;
-        let message = format!("`{path}::{}` is an entry point, which nothing may call", item.name);
+        let message = format!(
+            "`{path}::{}` is an entry point, which nothing may call",
+            item.name
+        );
         Fault::new(Cause::Type, message)
             .at(self.library.source(caller).find(&item.name))
             .note("move what both need into a function of its own")
@@ -140,10 +153,7 @@ struct Maps {
     types: Vec<Option<Handle<Type>>>,
     constants: HashMap<Handle<Constant>, Handle<Constant>>,
     expressions: HashMap<Handle<Expression>, Handle<Expression>>,
-    filters: HashMap<
-        Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
-        Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
-    >,
+    filters: HashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
 struct Linker<'a> {
@@ -177,7 +187,10 @@ impl Linker<'_> {
             let unit = self.targets.unit(*module)?;
             for (kind, handle) in &unit.module.special_types.predeclared_types {
                 if let Some(copied) = maps.types.get(handle.index()).copied().flatten() {
-                    self.out.special_types.predeclared_types.insert(kind.clone(), copied);
+                    self.out
+                        .special_types
+                        .predeclared_types
+                        .insert(kind.clone(), copied);
                 }
             }
         }
@@ -187,7 +200,10 @@ impl Linker<'_> {
         }
         let owners = self.owners();
         allocate(self.targets.library, &mut self.out, &owners)?;
-        Ok(Linked { module: self.out, owners })
+        Ok(Linked {
+            module: self.out,
+            owners,
+        })
     }
 
     /// Which declaration each variable came from, by its place: compaction renumbers variables.
@@ -196,8 +212,16 @@ impl Linker<'_> {
         for (handle, global) in self.out.global_variables.iter() {
             let span = self.out.global_variables.get_span(handle).to_range();
             let place = span.and_then(|range| self.targets.library.locate(range.start));
-            let (Some((module, _)), Some(name)) = (place, &global.name) else { continue };
-            owners.insert(handle, Item { module, name: name.clone() });
+            let (Some((module, _)), Some(name)) = (place, &global.name) else {
+                continue;
+            };
+            owners.insert(
+                handle,
+                Item {
+                    module,
+                    name: name.clone(),
+                },
+            );
         }
         owners
     }
@@ -205,9 +229,15 @@ impl Linker<'_> {
     fn declarations(&mut self, root: usize, unit: &Arc<Unit>) -> Result<(), Fault> {
         self.own_names.extend(unit.own_functions.keys().cloned());
         self.own_names.extend(unit.own_globals.keys().cloned());
-        self.own_names.extend(unit.module.entry_points.iter().map(|entry| entry.name.clone()));
+        self.own_names.extend(
+            unit.module
+                .entry_points
+                .iter()
+                .map(|entry| entry.name.clone()),
+        );
         let own = |name: &Option<String>| {
-            name.as_ref().is_some_and(|name| !name.contains(crate::stubs::JOINT))
+            name.as_ref()
+                .is_some_and(|name| !name.contains(crate::stubs::JOINT))
         };
         for (handle, ty) in unit.module.types.iter() {
             if matches!(ty.inner, TypeInner::Struct { .. }) && own(&ty.name) {
@@ -219,7 +249,12 @@ impl Linker<'_> {
                 self.constant(root, unit, handle)?;
             }
         }
-        for handle in unit.overrides.keys().copied().collect::<std::collections::BTreeSet<_>>() {
+        for handle in unit
+            .overrides
+            .keys()
+            .copied()
+            .collect::<std::collections::BTreeSet<_>>()
+        {
             if unit.overrides[&handle].module == root {
                 self.override_(root, unit, handle)?;
             }
@@ -237,7 +272,12 @@ impl Linker<'_> {
         Ok(())
     }
 
-    fn entry_point(&mut self, root: usize, unit: &Arc<Unit>, entry: &EntryPoint) -> Result<(), Fault> {
+    fn entry_point(
+        &mut self,
+        root: usize,
+        unit: &Arc<Unit>,
+        entry: &EntryPoint,
+    ) -> Result<(), Fault> {
         let workgroup_size_overrides = match entry.workgroup_size_overrides {
             Some(sizes) => {
                 let mut copied = [None; 3];
@@ -252,9 +292,15 @@ impl Linker<'_> {
             None => None,
         };
         if entry.mesh_info.is_some() || entry.task_payload.is_some() {
-            let message = format!("`{}` is a mesh or task stage, which no target has", entry.name);
-            return Err(Fault::new(Cause::Validation, message)
-                .at(self.targets.library.source(root).find(&entry.name)));
+            let message = format!(
+                "`{}` is a mesh or task stage, which no target has",
+                entry.name
+            );
+            return Err(Fault::new(Cause::Validation, message).at(self
+                .targets
+                .library
+                .source(root)
+                .find(&entry.name)));
         }
         let function = self.body(root, unit, &entry.function)?;
         self.out.entry_points.push(EntryPoint {
@@ -291,14 +337,23 @@ impl Linker<'_> {
         if module == self.targets.request.root || !self.own_names.contains(name) {
             return Some(name.clone());
         }
-        let last = self.targets.library.source(module).path.rsplit("::").next().unwrap_or("");
+        let last = self
+            .targets
+            .library
+            .source(module)
+            .path
+            .rsplit("::")
+            .next()
+            .unwrap_or("");
         Some(format!("{last}_{name}"))
     }
 
     fn recursion(&self, start: usize) -> Fault {
         let mut fault = Fault::new(Cause::Recursion, "functions call each other in a circle");
         for id in &self.under_way[start..] {
-            let Ok(unit) = self.targets.unit(id.0) else { continue };
+            let Ok(unit) = self.targets.unit(id.0) else {
+                continue;
+            };
             let name = unit.module.functions[id.1].name.clone().unwrap_or_default();
             let source = self.targets.library.source(id.0);
             let mut place = source.find(&format!("fn {name}"));
@@ -309,7 +364,12 @@ impl Linker<'_> {
     }
 
     /// A clone of `original` with its outside handles put right, and without what is dead.
-    fn body(&mut self, module: usize, unit: &Arc<Unit>, original: &Function) -> Result<Function, Fault> {
+    fn body(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        original: &Function,
+    ) -> Result<Function, Fault> {
         let mut function = original.clone();
         for argument in &mut function.arguments {
             argument.ty = self.ty(module, unit, argument.ty)?;
@@ -320,12 +380,15 @@ impl Linker<'_> {
         for (_, local) in function.local_variables.iter_mut() {
             local.ty = self.ty(module, unit, local.ty)?;
         }
-        function.diagnostic_filter_leaf =
-            function.diagnostic_filter_leaf.map(|leaf| self.filter(module, unit, leaf));
+        function.diagnostic_filter_leaf = function
+            .diagnostic_filter_leaf
+            .map(|leaf| self.filter(module, unit, leaf));
         let roots = private_roots(&unit.module, original);
         let dead: Vec<_> = roots
             .iter()
-            .map(|root| root.is_some_and(|global| !self.reach.reads.contains(&unit.globals[&global])))
+            .map(|root| {
+                root.is_some_and(|global| !self.reach.reads.contains(&unit.globals[&global]))
+            })
             .collect();
         self.block(module, &dead, &mut function.body)?;
         for (handle, expression) in function.expressions.iter_mut() {
@@ -367,7 +430,9 @@ impl Linker<'_> {
         for index in 0..block.len() {
             let keep = match &mut block[index] {
                 Statement::Store { pointer, .. } => !dead[pointer.index()],
-                Statement::Call { function, result, .. } => {
+                Statement::Call {
+                    function, result, ..
+                } => {
                     let target = self.targets.target((module, *function))?;
                     let keep = result.is_some() || !self.reach.idle.contains(&target);
                     if keep {
@@ -400,7 +465,12 @@ impl Linker<'_> {
         Ok(())
     }
 
-    fn ty(&mut self, module: usize, unit: &Arc<Unit>, handle: Handle<Type>) -> Result<Handle<Type>, Fault> {
+    fn ty(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Type>,
+    ) -> Result<Handle<Type>, Fault> {
         let maps = self.maps.entry(module).or_default();
         maps.types.resize(unit.module.types.len(), None);
         if let Some(done) = maps.types[handle.index()] {
@@ -443,13 +513,20 @@ impl Linker<'_> {
         let original = &unit.module.constants[handle];
         let copied = Constant {
             // A stand-in's made-up name would be an eyesore; a nameless constant is written out.
-            name: original.name.clone().filter(|name| !name.contains(crate::stubs::JOINT)),
+            name: original
+                .name
+                .clone()
+                .filter(|name| !name.contains(crate::stubs::JOINT)),
             ty: self.ty(module, unit, original.ty)?,
             init: self.expression(module, unit, original.init)?,
         };
         let span = self.shifted(module, unit.module.constants.get_span(handle));
         let copied = self.out.constants.append(copied, span);
-        self.maps.entry(module).or_default().constants.insert(handle, copied);
+        self.maps
+            .entry(module)
+            .or_default()
+            .constants
+            .insert(handle, copied);
         Ok(copied)
     }
 
@@ -465,7 +542,11 @@ impl Linker<'_> {
         }
         if item.module != module {
             let owner = self.targets.unit(item.module)?;
-            let own = owner.overrides.iter().find(|(_, known)| *known == item).map(|(handle, _)| *handle);
+            let own = owner
+                .overrides
+                .iter()
+                .find(|(_, known)| *known == item)
+                .map(|(handle, _)| *handle);
             if let Some(own) = own {
                 return self.override_(item.module, &owner, own);
             }
@@ -525,7 +606,13 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Expression>,
     ) -> Result<Handle<Expression>, Fault> {
-        if let Some(done) = self.maps.entry(module).or_default().expressions.get(&handle) {
+        if let Some(done) = self
+            .maps
+            .entry(module)
+            .or_default()
+            .expressions
+            .get(&handle)
+        {
             return Ok(*done);
         }
         let mut copied = unit.module.global_expressions[handle].clone();
@@ -543,18 +630,32 @@ impl Linker<'_> {
             | Expression::Splat { value: inner, .. }
             | Expression::Swizzle { vector: inner, .. }
             | Expression::Unary { expr: inner, .. }
-            | Expression::Relational { argument: inner, .. }
-            | Expression::As { expr: inner, .. } => *inner = self.expression(module, unit, *inner)?,
+            | Expression::Relational {
+                argument: inner, ..
+            }
+            | Expression::As { expr: inner, .. } => {
+                *inner = self.expression(module, unit, *inner)?
+            }
             Expression::Binary { left, right, .. } => {
                 *left = self.expression(module, unit, *left)?;
                 *right = self.expression(module, unit, *right)?;
             }
-            Expression::Select { condition, accept, reject } => {
+            Expression::Select {
+                condition,
+                accept,
+                reject,
+            } => {
                 *condition = self.expression(module, unit, *condition)?;
                 *accept = self.expression(module, unit, *accept)?;
                 *reject = self.expression(module, unit, *reject)?;
             }
-            Expression::Math { arg, arg1, arg2, arg3, .. } => {
+            Expression::Math {
+                arg,
+                arg1,
+                arg2,
+                arg3,
+                ..
+            } => {
                 *arg = self.expression(module, unit, *arg)?;
                 for arg in [arg1, arg2, arg3].into_iter().flatten() {
                     *arg = self.expression(module, unit, *arg)?;
@@ -565,7 +666,11 @@ impl Linker<'_> {
         self.outside(module, unit, handle, &mut copied)?;
         let span = self.shifted(module, unit.module.global_expressions.get_span(handle));
         let copied = self.out.global_expressions.append(copied, span);
-        self.maps.entry(module).or_default().expressions.insert(handle, copied);
+        self.maps
+            .entry(module)
+            .or_default()
+            .expressions
+            .insert(handle, copied);
         Ok(copied)
     }
 
@@ -573,15 +678,19 @@ impl Linker<'_> {
         &mut self,
         module: usize,
         unit: &Arc<Unit>,
-        handle: Handle<naga::diagnostic_filter::DiagnosticFilterNode>,
-    ) -> Handle<naga::diagnostic_filter::DiagnosticFilterNode> {
+        handle: Handle<DiagnosticFilterNode>,
+    ) -> Handle<DiagnosticFilterNode> {
         if let Some(done) = self.maps.entry(module).or_default().filters.get(&handle) {
             return *done;
         }
         let mut node = unit.module.diagnostic_filters[handle].clone();
         node.parent = node.parent.map(|parent| self.filter(module, unit, parent));
         let copied = self.out.diagnostic_filters.append(node, Span::UNDEFINED);
-        self.maps.entry(module).or_default().filters.insert(handle, copied);
+        self.maps
+            .entry(module)
+            .or_default()
+            .filters
+            .insert(handle, copied);
         copied
     }
 
@@ -611,15 +720,26 @@ fn allocate(
             | AddressSpace::RayPayload
             | AddressSpace::IncomingRayPayload => false,
         };
-        let Some(item) = owners.get(&handle).filter(|_| resource) else { continue };
+        let Some(item) = owners.get(&handle).filter(|_| resource) else {
+            continue;
+        };
         let source = library.source(item.module);
         let Some(binding) = global.binding else {
-            let message = format!("the resource `{}` has no `@group` and `@binding`", item.name);
+            let message = format!(
+                "the resource `{}` has no `@group` and `@binding`",
+                item.name
+            );
             return Err(Fault::new(Cause::Type, message)
                 .at(source.find(&item.name))
                 .note("group 0 is the pass's, 1 the light's and its method's, 2 the material's, 3 the objects'"));
         };
-        resources.push((binding.group, source.path.as_str(), binding.binding, &item.name, handle));
+        resources.push((
+            binding.group,
+            source.path.as_str(),
+            binding.binding,
+            &item.name,
+            handle,
+        ));
     }
     resources.sort();
     let mut taken: BTreeMap<(u32, u32), Handle<GlobalVariable>> = BTreeMap::new();

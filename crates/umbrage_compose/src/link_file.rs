@@ -5,11 +5,8 @@ use std::{collections::BTreeSet, path::Path};
 use wgsl_parse::lexer::Token;
 
 use crate::{
-    Cause, Composer, Error, Fault, Library, Package, Permutation, Target,
-    error::nearest,
-    features::FeatureNames,
-    library::Request,
-    package::read,
+    Cause, Composer, Error, Fault, Library, Package, Permutation, Target, error::nearest,
+    features::FeatureNames, library::Request, package::read,
 };
 
 /// Links all that `file` declares and what that reaches, under `features`, with each interface of
@@ -27,15 +24,22 @@ pub fn link_file(
     target: Target,
 ) -> Result<Permutation, Error> {
     let source = read(file)?;
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     let dir = package.or(folder).unwrap_or(Path::new("."));
     let name = package_name(dir);
     let mut loaded = Package::load(&name, dir)?;
-    let inside = loaded.modules.iter().find(|(_, module)| same_file(Path::new(&module.file), file));
+    let inside = loaded
+        .modules
+        .iter()
+        .find(|(_, module)| same_file(Path::new(&module.file), file));
     let path = match inside {
         Some((path, _)) => path.clone(),
         None => {
-            let stem = file.file_stem().map_or("main".into(), |stem| stem.to_string_lossy());
+            let stem = file
+                .file_stem()
+                .map_or("main".into(), |stem| stem.to_string_lossy());
             let path = stem.into_owned();
             loaded.modules.insert(path.clone(), source);
             path
@@ -47,7 +51,10 @@ pub fn link_file(
     let read_features = mentioned(&library)?;
     for feature in features {
         if !read_features.contains(feature) {
-            let fault = Fault::new(Cause::Key, format!("no module reads the feature `{feature}`"));
+            let fault = Fault::new(
+                Cause::Key,
+                format!("no module reads the feature `{feature}`"),
+            );
             let near = nearest(feature, read_features.iter().map(String::as_str));
             return Err(match near {
                 Some(near) => fault.note(format!("did you mean `{near}`?")).into(),
@@ -55,13 +62,19 @@ pub fn link_file(
             });
         }
     }
-    let library = library.with_features(FeatureNames::new(read_features.iter().map(String::as_str)));
+    let library =
+        library.with_features(FeatureNames::new(read_features.iter().map(String::as_str)));
     let module = |path: &str| {
         let path = path.strip_prefix("package::").unwrap_or(path);
-        let found = library.module(path).or_else(|| library.module(&format!("{name}::{path}")));
+        let found = library
+            .module(path)
+            .or_else(|| library.module(&format!("{name}::{path}")));
         found.ok_or_else(|| library.no_module(Cause::Key, &format!("{name}::{path}")))
     };
-    let mut request = Request { root: module(&path)?, ..Request::default() };
+    let mut request = Request {
+        root: module(&path)?,
+        ..Request::default()
+    };
     for (interface, implementation) in bindings {
         let interface = module(interface)?;
         if !library.source(interface).is_interface() {
@@ -82,8 +95,18 @@ pub fn link_file(
 
 fn package_name(dir: &Path) -> String {
     let full = dir.canonicalize().unwrap_or_else(|_| dir.to_owned());
-    let name = full.file_name().map_or("main".into(), |name| name.to_string_lossy());
-    name.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect()
+    let name = full
+        .file_name()
+        .map_or("main".into(), |name| name.to_string_lossy());
+    name.chars()
+        .map(|c| {
+            if c.is_alphanumeric() || c == '_' {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect()
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {
@@ -98,7 +121,9 @@ fn mentioned(library: &Library) -> Result<BTreeSet<String>, Fault> {
     let mut features = BTreeSet::new();
     for module in 0..library.sources().len() {
         // A module with a fault is told of where it is needed.
-        let Ok(syntax) = library.syntax(module) else { continue };
+        let Ok(syntax) = library.syntax(module) else {
+            continue;
+        };
         let mut tokens = syntax.tokens.iter().map(|(token, _)| token).peekable();
         while let Some(token) = tokens.next() {
             let condition = *token == Token::SymAttr

@@ -54,7 +54,10 @@ impl Manifest {
             Package::load(name, &folder.join(path)).map_err(|error| {
                 let at = ron_text::literal(&source, &["packages", name, path]);
                 let mut faults = error.into_faults();
-                if let Some(fault) = faults.first_mut().filter(|fault| fault.locations.is_empty()) {
+                if let Some(fault) = faults
+                    .first_mut()
+                    .filter(|fault| fault.locations.is_empty())
+                {
                     *fault = fault.clone().at(at);
                 }
                 Error::all(faults)
@@ -62,7 +65,11 @@ impl Manifest {
         });
         let library = Library::new(packages.collect::<Result<Vec<_>, _>>()?)?;
         let keys = enumerate(library.axes(), &source, &file)?;
-        Ok(Self { library, keys, target: file.target })
+        Ok(Self {
+            library,
+            keys,
+            target: file.target,
+        })
     }
 
     /// The packages.
@@ -96,16 +103,23 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
     let rules: Vec<_> = file
         .exclude
         .iter()
-        .map(|rule| Rule { exclude: rule.when.clone(), reason: rule.reason.clone() })
+        .map(|rule| Rule {
+            exclude: rule.when.clone(),
+            reason: rule.reason.clone(),
+        })
         .collect();
     let mut used = vec![false; rules.len()];
     let mut keys = BTreeSet::new();
     for product in &file.keys {
         let choices = choices(axes, source, product)?;
-        let size = choices.iter().try_fold(1usize, |size, (_, values)| size.checked_mul(values.len()));
+        let size = choices
+            .iter()
+            .try_fold(1usize, |size, (_, values)| size.checked_mul(values.len()));
         if size.is_none_or(|size| size > MOST_KEYS) {
             let message = format!("a product of more than {MOST_KEYS} keys");
-            return Err(in_manifest(Fault::new(Cause::Manifest, message), source, &["keys"]).into());
+            return Err(
+                in_manifest(Fault::new(Cause::Manifest, message), source, &["keys"]).into(),
+            );
         }
         for index in 0..size.unwrap_or(0) {
             let choice = nth(&choices, index);
@@ -217,7 +231,9 @@ impl<'de> Deserialize<'de> for Choice {
         match raw.trim().get_ron() {
             "All" => Ok(Self::All),
             text => ron::from_str(text).map(Self::Some).map_err(|_| {
-                D::Error::custom(format!("expected `All` or a list of strings, found `{text}`"))
+                D::Error::custom(format!(
+                    "expected `All` or a list of strings, found `{text}`"
+                ))
             }),
         }
     }

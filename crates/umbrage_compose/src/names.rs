@@ -6,12 +6,7 @@ use wgsl_parse::syntax::{
     GlobalDeclaration, Import, ImportContent, ImportItem, ImportStatement, ModulePath, PathOrigin,
 };
 
-use crate::{
-    Cause, Fault, Library,
-    error::nearest,
-    source::Source,
-    translate::Translated,
-};
+use crate::{Cause, Fault, Library, error::nearest, source::Source, translate::Translated};
 
 /// A declaration of a module.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -67,7 +62,10 @@ pub(crate) fn imports(
                     .at(source.find(&local))
                     .note("rename one of them with `as`"));
             }
-            let own = translated.declarations.iter().find(|d| declared(d).as_ref() == Some(&local));
+            let own = translated
+                .declarations
+                .iter()
+                .find(|d| declared(d).as_ref() == Some(&local));
             if let Some(own) = own {
                 let message = format!("`{local}` is imported from `{written}` and declared here");
                 return Err(Fault::new(Cause::Import, message)
@@ -77,7 +75,10 @@ pub(crate) fn imports(
             scope.insert(local, (meaning, written));
         }
     }
-    Ok(scope.into_iter().map(|(local, (meaning, _))| (local, meaning)).collect())
+    Ok(scope
+        .into_iter()
+        .map(|(local, (meaning, _))| (local, meaning))
+        .collect())
 }
 
 /// The absolute path of each item that `statement` imports, from its package on.
@@ -143,7 +144,10 @@ fn absolute(library: &Library, source: &Source, path: &ModulePath) -> Result<Vec
 fn parent(source: &Source, up: usize) -> Result<Vec<String>, Fault> {
     let mut segments: Vec<_> = source.path.split("::").map(str::to_owned).collect();
     if up >= segments.len() {
-        let message = format!("`super` leaves the package: `{}` is not so deep", source.path);
+        let message = format!(
+            "`super` leaves the package: `{}` is not so deep",
+            source.path
+        );
         return Err(Fault::new(Cause::Import, message).at(source.find("super")));
     }
     segments.truncate(segments.len() - up);
@@ -161,14 +165,20 @@ pub(crate) fn written_path(
     let [first, rest @ ..] = segments else {
         return Err(Fault::new(Cause::Import, "an empty path"));
     };
-    let supers = segments.iter().take_while(|segment| **segment == "super").count();
+    let supers = segments
+        .iter()
+        .take_while(|segment| **segment == "super")
+        .count();
     let mut path = match (*first, scope.get(*first)) {
         ("package", _) => vec![library.own_package_name(source.package).to_owned()],
         ("super", _) => parent(source, supers)?,
         ("self", _) => parent(source, 0)?,
-        (_, Some(Meaning::Module(module))) => {
-            library.source(*module).path.split("::").map(str::to_owned).collect()
-        }
+        (_, Some(Meaning::Module(module))) => library
+            .source(*module)
+            .path
+            .split("::")
+            .map(str::to_owned)
+            .collect(),
         (name, _) => match library.package_name(source.package, name) {
             Some(name) => vec![name.to_owned()],
             None => {
@@ -178,7 +188,11 @@ pub(crate) fn written_path(
             }
         },
     };
-    let rest = if supers > 1 { &rest[supers - 1..] } else { rest };
+    let rest = if supers > 1 {
+        &rest[supers - 1..]
+    } else {
+        rest
+    };
     path.extend(rest.iter().map(|segment| (*segment).to_owned()));
     match resolve(library, source, &path, translations)? {
         Meaning::Item(item) => Ok(item),
@@ -196,24 +210,35 @@ fn resolve(
     segments: &[String],
     translations: &mut dyn Translations,
 ) -> Result<Meaning, Fault> {
-    let (name, parents) = segments.split_last().map_or(("", &[][..]), |(n, p)| (n.as_str(), p));
+    let (name, parents) = segments
+        .split_last()
+        .map_or(("", &[][..]), |(n, p)| (n.as_str(), p));
     let parent = parents.join("::");
     if let Some(module) = library.module(&parent) {
         let translated = translations.translated(module)?;
-        let names: Vec<_> = translated.declarations.iter().filter_map(|d| declared(d)).collect();
+        let names: Vec<_> = translated
+            .declarations
+            .iter()
+            .filter_map(|d| declared(d))
+            .collect();
         if names.iter().any(|known| known == name) {
-            return Ok(Meaning::Item(Item { module, name: name.to_owned() }));
+            return Ok(Meaning::Item(Item {
+                module,
+                name: name.to_owned(),
+            }));
         }
         if library.module(&segments.join("::")).is_none() {
             let fault = Fault::new(Cause::Import, format!("module `{parent}` has no `{name}`"))
                 .at(source.find(name));
             let elsewhere = library.syntax(module)?.tree.global_declarations.iter();
-            if let Some(hidden) = elsewhere.into_iter().find(|d| declared(d).as_deref() == Some(name)) {
+            if let Some(hidden) = elsewhere
+                .into_iter()
+                .find(|d| declared(d).as_deref() == Some(name))
+            {
                 let place = library.source(module);
-                return Err(fault.at(place.place_labelled(
-                    hidden.span().range(),
-                    "there only under other features",
-                )));
+                return Err(fault.at(
+                    place.place_labelled(hidden.span().range(), "there only under other features")
+                ));
             }
             return Err(match nearest(name, names.iter().map(String::as_str)) {
                 Some(near) => fault.note(format!("did you mean `{near}`?")),
@@ -227,7 +252,9 @@ fn resolve(
         None => {
             let named = if parents.len() > 1 { &parent } else { &path };
             let last = named.rsplit("::").next().unwrap_or(named);
-            Err(library.no_module(Cause::Import, named).at(source.find(last)))
+            Err(library
+                .no_module(Cause::Import, named)
+                .at(source.find(last)))
         }
     }
 }

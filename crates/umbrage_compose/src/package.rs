@@ -105,13 +105,24 @@ impl Package {
             dependencies: BTreeMap::new(),
         };
         for (path, text) in files {
-            let file = if root.is_empty() { path.clone() } else { format!("{root}/{path}") };
-            let source = SourceText { file, text: text.into() };
+            let file = if root.is_empty() {
+                path.clone()
+            } else {
+                format!("{root}/{path}")
+            };
+            let source = SourceText {
+                file,
+                text: text.into(),
+            };
             if path == AXES_FILE {
                 package.axes = Some(source);
             } else if is_module(Path::new(&path)) {
                 let file = source.file.clone();
-                if package.modules.insert(module_path(Path::new(&path)), source).is_some() {
+                if package
+                    .modules
+                    .insert(module_path(Path::new(&path)), source)
+                    .is_some()
+                {
                     let message = format!("`{file}` and another file are the same module");
                     return Err(Fault::new(Cause::File, message).into());
                 }
@@ -122,26 +133,36 @@ impl Package {
 }
 
 fn is_module(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "wesl" || extension == "wgsl")
+    path.extension()
+        .is_some_and(|extension| extension == "wesl" || extension == "wgsl")
 }
 
 fn module_path(within: &Path) -> String {
     let stem = within.with_extension("");
-    let parts: Vec<_> = stem.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+    let parts: Vec<_> = stem
+        .components()
+        .map(|part| part.as_os_str().to_string_lossy())
+        .collect();
     parts.join("::")
 }
 
 pub(crate) fn read(path: &Path) -> Result<SourceText, Error> {
     match fs::read_to_string(path) {
-        Ok(text) => Ok(SourceText { file: path.display().to_string(), text: text.into() }),
+        Ok(text) => Ok(SourceText {
+            file: path.display().to_string(),
+            text: text.into(),
+        }),
         Err(error) => Err(unreadable(path, &error)),
     }
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Error {
-    Fault::new(Cause::File, format!("`{}` cannot be read: {error}", path.display()))
-        .note("check the path and its permissions")
-        .into()
+    Fault::new(
+        Cause::File,
+        format!("`{}` cannot be read: {error}", path.display()),
+    )
+    .note("check the path and its permissions")
+    .into()
 }
 
 /// A `wesl.toml`, as <https://wesl-lang.dev/spec/WeslToml> has it.
@@ -243,7 +264,12 @@ impl Config {
         let exclude: Vec<_> = self
             .exclude
             .iter()
-            .flat_map(|pattern| [pattern.clone(), format!("{}/**", pattern.trim_end_matches('/'))])
+            .flat_map(|pattern| {
+                [
+                    pattern.clone(),
+                    format!("{}/**", pattern.trim_end_matches('/')),
+                ]
+            })
             .collect();
         Ok((set(&self.include)?, set(&exclude)?))
     }
@@ -251,6 +277,11 @@ impl Config {
 
 impl SourceText {
     pub(crate) fn place(&self, range: std::ops::Range<usize>) -> crate::error::Place<'_> {
-        crate::error::Place { file: &self.file, text: &self.text, range, label: String::new() }
+        crate::error::Place {
+            file: &self.file,
+            text: &self.text,
+            range,
+            label: String::new(),
+        }
     }
 }

@@ -1,6 +1,9 @@
 //! Permutations: linked, validated, and reflected.
 
-use naga::{Module, WithSpan, valid::{ModuleInfo, ValidationError, ValidationFlags, Validator}};
+use naga::{
+    Module, WithSpan,
+    valid::{ModuleInfo, ValidationError, ValidationFlags, Validator},
+};
 
 use crate::{
     Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect,
@@ -24,16 +27,21 @@ impl Permutation {
         library: &Library,
         target: &Target,
         key: Key,
-        linked: Linked,
+        (root, linked): (usize, Linked),
     ) -> Result<Self, Fault> {
         let info = validate(&linked.module, target)
-            .map_err(|error| validation_fault(library, target, &error))?;
+            .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
         let reflection = reflect(&linked.module, &info, |handle| {
             let item = linked.owners.get(&handle)?;
             Some((library.source(item.module).path.clone(), item.name.clone()))
         });
-        target.check(&reflection)?;
-        Ok(Self { key, module: linked.module, info, reflection })
+        target.check(library, &reflection)?;
+        Ok(Self {
+            key,
+            module: linked.module,
+            info,
+            reflection,
+        })
     }
 
     /// The shader as WGSL.
@@ -53,16 +61,21 @@ impl Permutation {
     pub fn spirv(&self) -> Result<Vec<u32>, Error> {
         // Wgpu flips the viewport, not the shader; an engine that takes the words does the same.
         let mut options = naga::back::spv::Options::default();
-        options.flags.remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
+        options
+            .flags
+            .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
         naga::back::spv::write_vec(&self.module, &self.info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
     }
 
     fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
-        Fault::new(Cause::Validation, format!("cannot be said in {language}: {error}"))
-            .key(&self.key)
-            .into()
+        Fault::new(
+            Cause::Validation,
+            format!("cannot be said in {language}: {error}"),
+        )
+        .key(&self.key)
+        .into()
     }
 }
 
@@ -77,6 +90,7 @@ pub(crate) fn validate(
 fn validation_fault(
     library: &Library,
     target: &Target,
+    (root, module): (usize, &Module),
     error: &WithSpan<ValidationError>,
 ) -> Fault {
     // Naga's outermost error says in which function, the innermost says what is wrong.
@@ -86,24 +100,86 @@ fn validation_fault(
         chain.push(error.to_string());
         next = error.source();
     }
-    let message = chain.pop().unwrap_or_default();
-    let mut fault = Fault::new(Cause::Validation, without_handles(&message));
-    for (span, label) in error.spans() {
-        if let Some(range) = span.to_range()
-            && let Some((module, start)) = library.locate(range.start)
-        {
+    let message = plain(&chain.pop().unwrap_or_default());
+    let mut fault = Fault::new(Cause::Validation, message.clone());
+    // A place that naga has words for says most; without one, the shortest place does.
+    let mut spans: Vec<_> = error
+        .spans()
+        .filter_map(|(span, label)| Some((span.to_range()?, label.as_str())))
+        .map(|(range, label)| {
+            (
+                range,
+                if label.starts_with("naga::") {
+                    ""
+                } else {
+                    label
+                },
+            )
+        })
+        .collect();
+    spans.sort_by_key(|(range, label)| (label.is_empty(), range.len(), range.start));
+    let worded = spans.iter().filter(|(_, label)| !label.is_empty()).count();
+    for (range, label) in spans.iter().take(worded.max(1)) {
+        if let Some((module, start)) = library.locate(range.start) {
             let source = library.source(module);
-            let place = start..start + (range.end - range.start);
-            fault = fault.at(source.place_labelled(place, without_handles(label)));
+            fault = fault.at(source.place_labelled(start..start + range.len(), plain(label)));
         }
     }
-    for context in chain.iter().rev() {
-        fault = fault.note(without_handles(context));
+    // Of some faults naga knows only in which declaration they are.
+    if fault.locations.is_empty() {
+        let span = match error.as_inner() {
+            ValidationError::Function { handle, .. } => module.functions.get_span(*handle),
+            ValidationError::GlobalVariable { handle, .. } => {
+                module.global_variables.get_span(*handle)
+            }
+            ValidationError::Constant { handle, .. } => module.constants.get_span(*handle),
+            ValidationError::Type { handle, .. } => module.types.get_span(*handle),
+            _ => naga::Span::UNDEFINED,
+        };
+        fault = match span
+            .to_range()
+            .and_then(|range| Some((library.locate(range.start)?, range)))
+        {
+            Some(((at, start), range)) => {
+                fault.at(library.source(at).place(start..start + range.len()))
+            }
+            None => {
+                let name = match error.as_inner() {
+                    ValidationError::EntryPoint { name, .. } => name.as_str(),
+                    _ => "",
+                };
+                fault.at(library.source(root).find(name))
+            }
+        };
     }
-    if message.to_lowercase().contains("capabilit") {
+    // Where naga speaks of a thing by its number alone, it says nothing.
+    for context in chain
+        .iter()
+        .rev()
+        .filter(|context| plain(context) == **context)
+    {
+        fault = fault.note(context.clone());
+    }
+    if message.contains("Capabilities") || message.to_lowercase().contains("capability") {
         fault = fault.note(format!("the target `{target}` does not offer it"));
     }
     fault
+}
+
+/// Naga's words without its own types' names and numbers.
+fn plain(text: &str) -> String {
+    let text = without_handles(text).replace("naga::valid::", "");
+    // `Type flags TypeFlags(A | B) do not meet the required TypeFlags(A | C)`: it lacks C.
+    let Some((found, required)) = text.split_once(" do not meet the required TypeFlags(") else {
+        return text;
+    };
+    let found: Vec<_> = found.split(['(', ')', '|', ' ']).collect();
+    let required = required.trim_end_matches(')').split(" | ");
+    let lacking: Vec<_> = required.filter(|flag| !found.contains(flag)).collect();
+    format!(
+        "the type will not do here: it is not {}",
+        lacking.join(", ")
+    )
 }
 
 /// Naga numbers things by handles such as `[3]`, which mean nothing to an author.
@@ -111,7 +187,9 @@ fn without_handles(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
     while let Some(start) = rest.find('[') {
-        let Some(length) = rest[start..].find(']') else { break };
+        let Some(length) = rest[start..].find(']') else {
+            break;
+        };
         let inner = &rest[start + 1..start + length];
         let numeric = !inner.is_empty() && inner.bytes().all(|byte| byte.is_ascii_digit());
         out.push_str(rest[..start].trim_end_matches(if numeric { ' ' } else { '\0' }));

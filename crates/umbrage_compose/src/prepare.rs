@@ -29,8 +29,6 @@ pub(crate) struct Prepared {
     pub(crate) wanted: Vec<Item>,
     /// Names of its own declarations and of those in scope.
     pub(crate) known: Vec<String>,
-    /// What its own declarations are called.
-    pub(crate) declared: Vec<String>,
     /// The features that the text depends on.
     pub(crate) consulted: Consulted,
 }
@@ -41,7 +39,12 @@ pub(crate) fn prepare(
     module: usize,
     features: &Features<'_>,
 ) -> Result<Prepared, Fault> {
-    let mut translations = Cached { library, features, done: HashMap::new(), consulted: Consulted::default() };
+    let mut translations = Cached {
+        library,
+        features,
+        done: HashMap::new(),
+        consulted: Consulted::default(),
+    };
     let translated = translations.translated(module)?;
     let scope = names::imports(library, module, &translated, &mut translations)?;
     let mut wanted: BTreeMap<String, Item> = BTreeMap::new();
@@ -60,7 +63,11 @@ pub(crate) fn prepare(
         }
     }
     for path in written_paths(&library.syntax(module)?.tokens, &translated.blanks) {
-        let segments: Vec<_> = path.segments.iter().map(|range| &source.text[range.clone()]).collect();
+        let segments: Vec<_> = path
+            .segments
+            .iter()
+            .map(|range| &source.text[range.clone()])
+            .collect();
         let item = names::written_path(library, source, &scope, &segments, &mut translations)
             .map_err(|fault| match fault.locations.is_empty() {
                 true => fault.at(source.place(path.range.clone())),
@@ -79,7 +86,11 @@ pub(crate) fn prepare(
         wanted.insert(name, item);
     }
     let stubs = stubs::build(library, module, &wanted, &mut translations)?;
-    let declared: Vec<_> = translated.declarations.iter().filter_map(|d| declared(d)).collect();
+    let declared: Vec<_> = translated
+        .declarations
+        .iter()
+        .filter_map(|d| declared(d))
+        .collect();
     // Whole characters were blanked, so this changes nothing.
     let mut text = String::from_utf8_lossy(&text).into_owned();
     let own = text.len();
@@ -90,7 +101,6 @@ pub(crate) fn prepare(
     items.dedup();
     Ok(Prepared {
         known: declared.iter().chain(scope.keys()).cloned().collect(),
-        declared,
         text,
         own,
         stubs,
@@ -113,7 +123,11 @@ impl Translations for Cached<'_> {
             return Ok(done.clone());
         }
         let source = self.library.source(module);
-        let translated = Arc::new(translate(source, self.library.syntax(module)?, self.features)?);
+        let translated = Arc::new(translate(
+            source,
+            self.library.syntax(module)?,
+            self.features,
+        )?);
         self.consulted.union(&translated.consulted);
         self.done.insert(module, translated.clone());
         Ok(translated)
@@ -132,13 +146,18 @@ fn written_paths(tokens: &[(Token, Range<usize>)], blanks: &[Range<usize>]) -> V
     let mut index = 0;
     while index + 2 < tokens.len() {
         let start = &tokens[index].1;
-        let blank = blanks.iter().any(|blank| blank.start <= start.start && start.end <= blank.end);
+        let blank = blanks
+            .iter()
+            .any(|blank| blank.start <= start.start && start.end <= blank.end);
         if blank || tokens[index + 1].0 != Token::SymColonColon {
             index += 1;
             continue;
         }
-        let mut path =
-            WrittenPath { range: start.clone(), segments: vec![start.clone()], joints: Vec::new() };
+        let mut path = WrittenPath {
+            range: start.clone(),
+            segments: vec![start.clone()],
+            joints: Vec::new(),
+        };
         while index + 2 < tokens.len() && tokens[index + 1].0 == Token::SymColonColon {
             path.joints.push(tokens[index + 1].1.clone());
             path.segments.push(tokens[index + 2].1.clone());

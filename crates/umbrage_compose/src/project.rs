@@ -7,11 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
-    Fault, Key, Library,
-    axes::Effect,
-    features::Consulted,
-    library::Request,
-    prepare::Prepared,
+    Fault, Key, Library, axes::Effect, features::Consulted, library::Request, prepare::Prepared,
 };
 
 /// What a request's permutation depends on.
@@ -74,7 +70,11 @@ pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key
     for (axis, effect) in library.axes().effects(key) {
         let matters = relevant(library, effect, found);
         let alike = |value: &&String| relevant(library, &axis.values[*value], found) == matters;
-        let first = axis.default.iter().find(alike).or_else(|| axis.values.keys().find(alike));
+        let first = axis
+            .default
+            .iter()
+            .find(alike)
+            .or_else(|| axis.values.keys().find(alike));
         if let Some(value) = first.filter(|value| axis.default.as_ref() != Some(value)) {
             projected.insert(axis.name.clone(), value.clone());
         }
@@ -82,20 +82,34 @@ pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key
     Key(projected)
 }
 
-/// What of `effect` the permutation depends on.
-fn relevant<'a>(
-    library: &Library,
-    effect: &'a Effect,
-    found: &Dependencies,
-) -> (Option<&'a str>, Vec<(usize, Option<usize>)>, BTreeSet<&'a str>) {
-    let bind = effect.bind.iter().filter_map(|(interface, implementation)| {
-        let interface = library.module(interface)?;
-        let needed = found.interfaces.contains(&interface);
-        needed.then(|| (interface, library.module(implementation)))
-    });
-    let features = effect.features.iter().map(String::as_str).filter(|feature| {
-        let number = library.features().number(feature);
-        number.is_some_and(|number| found.consulted.asked.contains(number))
-    });
-    (effect.root.as_deref(), bind.collect(), features.collect())
+/// What of a value's effect a permutation depends on.
+#[derive(PartialEq)]
+struct Relevant<'a> {
+    root: Option<&'a str>,
+    bind: Vec<(usize, Option<usize>)>,
+    features: BTreeSet<&'a str>,
+}
+
+fn relevant<'a>(library: &Library, effect: &'a Effect, found: &Dependencies) -> Relevant<'a> {
+    let bind = effect
+        .bind
+        .iter()
+        .filter_map(|(interface, implementation)| {
+            let interface = library.module(interface)?;
+            let needed = found.interfaces.contains(&interface);
+            needed.then(|| (interface, library.module(implementation)))
+        });
+    let features = effect
+        .features
+        .iter()
+        .map(String::as_str)
+        .filter(|feature| {
+            let number = library.features().number(feature);
+            number.is_some_and(|number| found.consulted.asked.contains(number))
+        });
+    Relevant {
+        root: effect.root.as_deref(),
+        bind: bind.collect(),
+        features: features.collect(),
+    }
 }

@@ -35,7 +35,13 @@ pub(crate) fn reach(targets: &mut Targets<'_>, root: usize, roots: Roots) -> Res
     }
     // Reads only become more: what one round finds may keep alive what the next goes through.
     loop {
-        let mut walk = Walk { targets, reads: &reach.reads, idle: HashSet::new(), seen: HashSet::new(), found: HashSet::new() };
+        let mut walk = Walk {
+            targets,
+            reads: &reach.reads,
+            idle: HashSet::new(),
+            seen: HashSet::new(),
+            found: HashSet::new(),
+        };
         let unit = walk.targets.unit(root)?;
         for facts in &unit.entry_facts {
             walk.visit(root, facts)?;
@@ -63,7 +69,10 @@ fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
             if unit.functions[handle].module != module {
                 // A stand-in that nothing calls may be of an interface that nothing is bound to.
                 let called = unit.facts.iter().chain(&unit.entry_facts);
-                if called.flat_map(|facts| &facts.calls).any(|(callee, _)| callee == handle) {
+                if called
+                    .flat_map(|facts| &facts.calls)
+                    .any(|(callee, _)| callee == handle)
+                {
                     modules.push(targets.target((module, *handle))?.0);
                 }
             }
@@ -83,7 +92,12 @@ struct Walk<'a, 'b> {
 impl Walk<'_, '_> {
     fn visit(&mut self, module: usize, facts: &Facts) -> Result<(), Fault> {
         let unit = self.targets.unit(module)?;
-        self.found.extend(facts.reads.iter().map(|global| unit.globals[global].clone()));
+        self.found.extend(
+            facts
+                .reads
+                .iter()
+                .map(|global| unit.globals[global].clone()),
+        );
         for &(callee, unused) in &facts.calls {
             let target = self.targets.target((module, callee))?;
             let idle = self.is_idle(target, &mut Vec::new())?;
@@ -106,7 +120,12 @@ impl Walk<'_, '_> {
         }
         let unit = self.targets.unit(id.0)?;
         let facts = &unit.facts[id.1.index()];
-        if facts.acts || facts.writes.iter().any(|global| self.reads.contains(&unit.globals[global])) {
+        if facts.acts
+            || facts
+                .writes
+                .iter()
+                .any(|global| self.reads.contains(&unit.globals[global]))
+        {
             return Ok(false);
         }
         above.push(id);

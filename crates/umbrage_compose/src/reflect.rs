@@ -242,7 +242,10 @@ pub(crate) fn reflect(
         })
         .collect();
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
-    Reflection { entry_points: entry_points.collect(), bindings }
+    Reflection {
+        entry_points: entry_points.collect(),
+        bindings,
+    }
 }
 
 fn stage(stage: ShaderStage) -> Stage {
@@ -270,7 +273,9 @@ fn used_in(module: &Module, info: &ModuleInfo, handle: Handle<GlobalVariable>) -
 fn vertex_inputs(module: &Module, entry: &naga::EntryPoint) -> Vec<VertexInput> {
     let mut inputs = Vec::new();
     let mut input = |name: &Option<String>, ty: Handle<Type>, binding: &Option<IoBinding>| {
-        let Some(IoBinding::Location { location, .. }) = binding else { return };
+        let Some(IoBinding::Location { location, .. }) = binding else {
+            return;
+        };
         let (components, scalar) = match module.types[ty].inner {
             TypeInner::Scalar(scalar) => (1, scalar),
             TypeInner::Vector { size, scalar } => (u32::from(size), scalar),
@@ -315,7 +320,11 @@ fn kind(module: &Module, global: &GlobalVariable) -> Option<BindingKind> {
         }),
         _ => match module.types[global.ty].inner {
             TypeInner::Sampler { comparison } => Some(BindingKind::Sampler { comparison }),
-            TypeInner::Image { dim, arrayed, class } => texture(dim, arrayed, class),
+            TypeInner::Image {
+                dim,
+                arrayed,
+                class,
+            } => texture(dim, arrayed, class),
             _ => None,
         },
     }
@@ -330,11 +339,21 @@ fn texture(dim: ImageDimension, arrayed: bool, class: ImageClass) -> Option<Bind
         (ImageDimension::Cube, true) => TextureDimension::CubeArray,
         (ImageDimension::D3, _) => TextureDimension::D3,
     };
-    let sampled = |sample, multisampled| BindingKind::Texture { dimension, sample, multisampled };
+    let sampled = |sample, multisampled| BindingKind::Texture {
+        dimension,
+        sample,
+        multisampled,
+    };
     Some(match class {
         ImageClass::Depth { multi } => sampled(TextureSample::Depth, multi),
-        ImageClass::Sampled { kind: ScalarKind::Sint, multi } => sampled(TextureSample::Sint, multi),
-        ImageClass::Sampled { kind: ScalarKind::Uint, multi } => sampled(TextureSample::Uint, multi),
+        ImageClass::Sampled {
+            kind: ScalarKind::Sint,
+            multi,
+        } => sampled(TextureSample::Sint, multi),
+        ImageClass::Sampled {
+            kind: ScalarKind::Uint,
+            multi,
+        } => sampled(TextureSample::Uint, multi),
         ImageClass::Sampled { multi, .. } => sampled(TextureSample::Float, multi),
         ImageClass::Storage { format, access } => BindingKind::StorageTexture {
             dimension,
@@ -360,7 +379,11 @@ fn layout(module: &Module, ty: Handle<Type>) -> Layout {
                 })
                 .collect(),
         },
-        TypeInner::Array { base, size: ArraySize::Dynamic, stride } => {
+        TypeInner::Array {
+            base,
+            size: ArraySize::Dynamic,
+            stride,
+        } => {
             let mut element = layout(module, *base);
             element.size = *stride;
             element
@@ -379,12 +402,14 @@ fn layout(module: &Module, ty: Handle<Type>) -> Layout {
 
 fn member_type(module: &Module, ty: Handle<Type>) -> MemberType {
     match module.types[ty].inner {
-        TypeInner::Vector { size, scalar } => {
-            MemberType::Vector { components: size.into(), scalar: scalar_of(scalar) }
-        }
-        TypeInner::Matrix { columns, rows, .. } => {
-            MemberType::Matrix { columns: columns.into(), rows: rows.into() }
-        }
+        TypeInner::Vector { size, scalar } => MemberType::Vector {
+            components: size.into(),
+            scalar: scalar_of(scalar),
+        },
+        TypeInner::Matrix { columns, rows, .. } => MemberType::Matrix {
+            columns: columns.into(),
+            rows: rows.into(),
+        },
         TypeInner::Array { base, size, stride } => MemberType::Array {
             element: Box::new(member_type(module, base)),
             count: match size {
@@ -394,10 +419,14 @@ fn member_type(module: &Module, ty: Handle<Type>) -> MemberType {
             stride,
         },
         TypeInner::Struct { .. } => MemberType::Struct(layout(module, ty)),
-        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => {
-            MemberType::Vector { components: 1, scalar: scalar_of(scalar) }
-        }
+        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => MemberType::Vector {
+            components: 1,
+            scalar: scalar_of(scalar),
+        },
         // No other type lies in a buffer.
-        _ => MemberType::Vector { components: 1, scalar: Scalar::U32 },
+        _ => MemberType::Vector {
+            components: 1,
+            scalar: Scalar::U32,
+        },
     }
 }

@@ -6,12 +6,14 @@ use crate::{Cause, Error, Fault, error::Place, package::SourceText};
 
 /// Reads a RON text; a fault names the line and column.
 pub(crate) fn parse<T: DeserializeOwned>(source: &SourceText, cause: Cause) -> Result<T, Error> {
-    let options = ron::Options::default()
-        .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     options.from_str(&source.text).map_err(|error| {
         let start = offset(&source.text, error.span.start.line, error.span.start.col);
         let end = offset(&source.text, error.span.end.line, error.span.end.col).max(start);
-        Fault::new(cause, format!("{}", error.code)).at(source.place(start..end)).into()
+        Fault::new(cause, format!("{}", error.code))
+            .at(source.place(start..end))
+            .into()
     })
 }
 
@@ -19,8 +21,11 @@ fn offset(text: &str, line: usize, column: usize) -> usize {
     let mut start = 0;
     for (index, content) in text.split_inclusive('\n').enumerate() {
         if index + 1 == line {
-            let within: usize =
-                content.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum();
+            let within: usize = content
+                .chars()
+                .take(column.saturating_sub(1))
+                .map(char::len_utf8)
+                .sum();
             return start + within;
         }
         start += content.len();

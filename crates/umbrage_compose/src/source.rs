@@ -41,14 +41,27 @@ impl Source {
         self.place_labelled(range, "")
     }
 
-    pub(crate) fn place_labelled(&self, range: Range<usize>, label: impl Into<String>) -> Place<'_> {
-        Place { file: &self.file, text: &self.text, range, label: label.into() }
+    pub(crate) fn place_labelled(
+        &self,
+        range: Range<usize>,
+        label: impl Into<String>,
+    ) -> Place<'_> {
+        Place {
+            file: &self.file,
+            text: &self.text,
+            range,
+            label: label.into(),
+        }
     }
 
     /// The place of the first `word` in the text, for faults of a whole module.
     pub(crate) fn find(&self, word: &str) -> Place<'_> {
         let start = self.text.find(word).unwrap_or(0);
-        let length = if self.text[start..].starts_with(word) { word.len() } else { 0 };
+        let length = if self.text[start..].starts_with(word) {
+            word.len()
+        } else {
+            0
+        };
         self.place(start..start + length)
     }
 
@@ -69,14 +82,16 @@ impl Source {
             let message = match &error.error {
                 ErrorKind::InvalidToken => "no token of WESL".to_owned(),
                 ErrorKind::UnexpectedToken { token, expected } => {
-                    format!("unexpected {}, expected {}", quoted(token), alternatives(expected))
+                    format!("unexpected {}{}", quoted(token), alternatives(expected))
                 }
                 ErrorKind::UnexpectedEof { expected } => {
-                    format!("unexpected end of file, expected {}", alternatives(expected))
+                    format!("unexpected end of file{}", alternatives(expected))
                 }
                 other => other.to_string(),
             };
-            Fault::new(Cause::Syntax, message).at(self.place(error.span.range()))
+            let last = self.text.trim_end().len();
+            let start = error.span.start.min(last);
+            Fault::new(Cause::Syntax, message).at(self.place(start..error.span.end.min(last)))
         })?;
         Ok(Syntax { tree, tokens })
     }
@@ -84,13 +99,44 @@ impl Source {
     fn tokens(&self) -> Result<Vec<(Token, Range<usize>)>, Fault> {
         self.check_nesting()?;
         let mut tokens = Vec::new();
+        let mut end_of_last = 0;
         for token in Lexer::new(&self.text) {
             let (start, token, end) = token.map_err(|(start, _, end)| {
                 Fault::new(Cause::Syntax, "no token of WESL").at(self.place(start..end))
             })?;
+            self.check_gap(end_of_last..start)?;
+            end_of_last = end;
             tokens.push((token, start..end));
         }
+        self.check_gap(end_of_last..self.text.len())?;
         Ok(tokens)
+    }
+
+    /// Whether there are only spaces and comments in `range`, between two tokens: the lexer passes
+    /// over what it does not know.
+    fn check_gap(&self, range: Range<usize>) -> Result<(), Fault> {
+        let mut rest = self.text.get(range.clone()).unwrap_or("");
+        loop {
+            rest = rest
+                .trim_start_matches(|c: char| c.is_whitespace() || "\u{200e}\u{200f}".contains(c));
+            if rest.starts_with("//") {
+                rest = rest.find('\n').map_or("", |end| &rest[end..]);
+            } else if rest.starts_with("/*") {
+                rest = after_block_comment(rest);
+            } else {
+                break;
+            }
+        }
+        match rest.chars().next() {
+            None => Ok(()),
+            Some(stray) => {
+                let start = range.end - rest.len();
+                Err(
+                    Fault::new(Cause::Syntax, format!("`{stray}` is no token of WESL"))
+                        .at(self.place(start..start + stray.len_utf8())),
+                )
+            }
+        }
     }
 
     fn check_nesting(&self) -> Result<(), Fault> {
@@ -124,25 +170,58 @@ impl Source {
     fn in_comment(&self, index: usize) -> bool {
         let before = &self.text[..index];
         let line = before.rsplit('\n').next().unwrap_or("");
-        let open = before.rfind("/*").is_some_and(|at| !before[at..].contains("*/"));
+        let open = before
+            .rfind("/*")
+            .is_some_and(|at| !before[at..].contains("*/"));
         line.contains("//") || open
     }
 }
 
 fn quoted(token: &str) -> String {
-    if token.contains('`') { token.to_owned() } else { format!("`{token}`") }
+    if token.contains('`') {
+        token.to_owned()
+    } else {
+        format!("`{token}`")
+    }
 }
 
-/// The parser lists every token that it would take: more than a few tell nothing.
+/// What follows the block comment at the start of `text`; such comments nest.
+fn after_block_comment(text: &str) -> &str {
+    let mut depth = 0usize;
+    let mut index = 0;
+    while index < text.len() {
+        let rest = &text.as_bytes()[index..];
+        if rest.starts_with(b"/*") {
+            depth += 1;
+            index += 2;
+        } else if rest.starts_with(b"*/") {
+            depth = depth.saturating_sub(1);
+            index += 2;
+            if depth == 0 {
+                return &text[index..];
+            }
+        } else {
+            index += 1;
+        }
+    }
+    ""
+}
+
+/// The parser lists every token that it would take: of many, only what ends something is told.
 fn alternatives(expected: &[String]) -> String {
-    const MOST: usize = 6;
-    let mut known: Vec<_> = expected.iter().map(|token| token.replace('"', "`")).collect();
+    const MOST: usize = 4;
+    let mut known: Vec<_> = expected
+        .iter()
+        .map(|token| token.replace('"', "`"))
+        .collect();
     known.sort();
     known.dedup();
-    match known.len() {
-        0 => "something else".to_owned(),
-        1 => known.remove(0),
-        2..=MOST => format!("one of {}", known.join(", ")),
-        _ => "something else here".to_owned(),
+    if known.len() > MOST {
+        known.retain(|token| token == "`;`" || token == "`}`" || token == "`)`");
+    }
+    match known.as_slice() {
+        [] => String::new(),
+        [one] => format!(", expected {one}"),
+        several => format!(", expected one of {}", several.join(", ")),
     }
 }

@@ -51,7 +51,10 @@ pub(crate) fn build(
     // The module's own words for things come first, so that no other is made up for them.
     for (name, item) in wanted {
         builder.out.items.insert(name.clone(), item.clone());
-        builder.names.entry(item.clone()).or_insert_with(|| name.clone());
+        builder
+            .names
+            .entry(item.clone())
+            .or_insert_with(|| name.clone());
         builder.queue.push_back((name.clone(), item.clone()));
     }
     while let Some((name, item)) = builder.queue.pop_front() {
@@ -79,7 +82,9 @@ impl Builder<'_> {
             .declarations
             .iter()
             .find(|declaration| declared(declaration).as_ref() == Some(&item.name));
-        let Some(declaration) = declaration else { return Ok(()) };
+        let Some(declaration) = declaration else {
+            return Ok(());
+        };
         // A second name for a type is an alias: a copy would be another type.
         let is_type = matches!(
             declaration.node(),
@@ -116,7 +121,9 @@ impl Builder<'_> {
                 match &mut function.return_type {
                     Some(ty) => {
                         self.rename_type(item.module, ty)?;
-                        self.write(format_args!("fn {name}({parameters}) -> {ty} {{ return {ty}(); }}"))
+                        self.write(format_args!(
+                            "fn {name}({parameters}) -> {ty} {{ return {ty}(); }}"
+                        ))
                     }
                     None => self.write(format_args!("fn {name}({parameters}) {{}}")),
                 }
@@ -193,7 +200,10 @@ impl Builder<'_> {
         let name = ty.ident.name().clone();
         let translated = self.translations.translated(module)?;
         if ty.path.is_none()
-            && translated.declarations.iter().any(|d| declared(d).as_ref() == Some(&name))
+            && translated
+                .declarations
+                .iter()
+                .any(|d| declared(d).as_ref() == Some(&name))
         {
             return Ok(Some(Item { module, name }));
         }
@@ -212,7 +222,8 @@ impl Builder<'_> {
                 let mut segments: Vec<_> = written.split("::").filter(|s| !s.is_empty()).collect();
                 segments.push(&name);
                 let source = self.library.source(module);
-                names::written_path(self.library, source, scope, &segments, self.translations).map(Some)
+                names::written_path(self.library, source, scope, &segments, self.translations)
+                    .map(Some)
             }
         }
     }

@@ -5,7 +5,7 @@ use std::fmt;
 use naga::valid::Capabilities;
 
 use crate::{
-    Cause, Fault,
+    Cause, Fault, Library,
     reflect::{BindingKind, Reflection, Stage},
 };
 
@@ -29,13 +29,19 @@ impl Target {
         let capabilities = Capabilities::CUBE_ARRAY_TEXTURES
             | Capabilities::MULTISAMPLED_SHADING
             | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
-        Self { name: "webgpu".to_owned(), capabilities }
+        Self {
+            name: "webgpu".to_owned(),
+            capabilities,
+        }
     }
 
     /// A device of its own: `name` tells it from others, `capabilities` are what naga asks for. The
     /// limits are WebGPU's, which every device has at the least.
     pub fn new(name: impl Into<String>, capabilities: Capabilities) -> Self {
-        Self { name: name.into(), capabilities }
+        Self {
+            name: name.into(),
+            capabilities,
+        }
     }
 
     /// Its name.
@@ -49,42 +55,83 @@ impl Target {
     }
 
     /// Checks what naga does not: WebGPU's default limits.
-    pub(crate) fn check(&self, reflection: &Reflection) -> Result<(), Fault> {
-        let limit = |what: &str, found: u32, most: u32| {
-            if found <= most {
-                return Ok(());
-            }
-            let message = format!("{found} {what}, but the target `{}` has {most}", self.name);
-            Err(Fault::new(Cause::Validation, message).note("use fewer, or pack them together"))
-        };
+    pub(crate) fn check(&self, library: &Library, reflection: &Reflection) -> Result<(), Fault> {
         for binding in &reflection.bindings {
-            let name = format!("{}::{}", binding.module, binding.name);
-            limit(&format!("is the group of `{name}`; groups count from 0"), binding.group, 3)?;
+            let at = |fault: Fault| match library.module(&binding.module) {
+                Some(module) => fault.at(library.source(module).find(&binding.name)),
+                None => fault,
+            };
+            self.limit("bind groups are needed", binding.group + 1, 4)
+                .map_err(at)?;
             if let BindingKind::Uniform(layout) = &binding.kind {
-                limit(&format!("bytes in the uniform buffer `{name}`"), layout.size, 65_536)?;
+                self.limit("bytes are in a uniform buffer", layout.size, 65_536)
+                    .map_err(at)?;
             }
         }
         for stage in [Stage::Vertex, Stage::Fragment, Stage::Compute] {
-            let count = |kind: fn(&BindingKind) -> bool| {
-                let used = reflection.bindings.iter().filter(|b| b.stages.contains(&stage));
-                used.filter(|binding| kind(&binding.kind)).count() as u32
-            };
-            let place = format!("{stage:?} stage").to_lowercase();
-            let textures = count(|kind| matches!(kind, BindingKind::Texture { .. }));
-            limit(&format!("textures in the {place}"), textures, 16)?;
-            let samplers = count(|kind| matches!(kind, BindingKind::Sampler { .. }));
-            limit(&format!("samplers in the {place}"), samplers, 16)?;
-            let uniforms = count(|kind| matches!(kind, BindingKind::Uniform(_)));
-            limit(&format!("uniform buffers in the {place}"), uniforms, 12)?;
-            let storage = count(|kind| matches!(kind, BindingKind::Storage { .. }));
-            limit(&format!("storage buffers in the {place}"), storage, 8)?;
-            let written = count(|kind| matches!(kind, BindingKind::StorageTexture { .. }));
-            limit(&format!("storage textures in the {place}"), written, 4)?;
+            self.check_stage(library, reflection, stage)?;
         }
         for entry in &reflection.entry_points {
-            limit(&format!("vertex inputs of `{}`", entry.name), entry.inputs.len() as u32, 16)?;
+            let what = format!("vertex inputs are read by `{}`", entry.name);
+            self.limit(&what, entry.inputs.len() as u32, 16)?;
         }
         Ok(())
+    }
+
+    fn check_stage(
+        &self,
+        library: &Library,
+        reflection: &Reflection,
+        stage: Stage,
+    ) -> Result<(), Fault> {
+        type IsKind = fn(&BindingKind) -> bool;
+        let kinds: [(&str, u32, IsKind); 5] = [
+            ("textures are read", 16, |kind| {
+                matches!(kind, BindingKind::Texture { .. })
+            }),
+            ("samplers are used", 16, |kind| {
+                matches!(kind, BindingKind::Sampler { .. })
+            }),
+            ("uniform buffers are read", 12, |kind| {
+                matches!(kind, BindingKind::Uniform(_))
+            }),
+            ("storage buffers are used", 8, |kind| {
+                matches!(kind, BindingKind::Storage { .. })
+            }),
+            ("storage textures are used", 4, |kind| {
+                matches!(kind, BindingKind::StorageTexture { .. })
+            }),
+        ];
+        for (what, most, kind) in kinds {
+            let used = reflection
+                .bindings
+                .iter()
+                .filter(|binding| binding.stages.contains(&stage));
+            let used: Vec<_> = used.filter(|binding| kind(&binding.kind)).collect();
+            let what = format!(
+                "{what} in the {} stage",
+                format!("{stage:?}").to_lowercase()
+            );
+            self.limit(&what, used.len() as u32, most)
+                .map_err(|fault| {
+                    let last = used
+                        .last()
+                        .and_then(|last| Some((library.module(&last.module)?, last)));
+                    match last {
+                        Some((module, last)) => fault.at(library.source(module).find(&last.name)),
+                        None => fault,
+                    }
+                })?;
+        }
+        Ok(())
+    }
+
+    fn limit(&self, what: &str, found: u32, most: u32) -> Result<(), Fault> {
+        if found <= most {
+            return Ok(());
+        }
+        let message = format!("{found} {what}, but the target `{}` has {most}", self.name);
+        Err(Fault::new(Cause::Validation, message).note("use fewer, or pack them together"))
     }
 }
 

@@ -43,8 +43,13 @@ pub(crate) fn translate(
     syntax: &Syntax,
     features: &Features<'_>,
 ) -> Result<Translated, Fault> {
-    let mut translator =
-        Translator { source, syntax, features, out: Translated::default(), chain: Chain::None };
+    let mut translator = Translator {
+        source,
+        syntax,
+        features,
+        out: Translated::default(),
+        chain: Chain::None,
+    };
     translator.unit()?;
     let mut out = translator.out;
     out.blanks.sort_by_key(|range| (range.start, range.end));
@@ -74,7 +79,9 @@ impl Translator<'_> {
     fn unit(&mut self) -> Result<(), Fault> {
         let tree = &self.syntax.tree;
         self.chain = Chain::None;
-        let mut statements = self.keyword_spans(|token| *token == Token::KwImport).into_iter();
+        let mut statements = self
+            .keyword_spans(|token| *token == Token::KwImport)
+            .into_iter();
         for import in &tree.imports {
             let keyword = statements.next().unwrap_or(0..0);
             let range = self.to_semicolon(start_of(&import.attributes, keyword.start));
@@ -107,7 +114,10 @@ impl Translator<'_> {
         Ok(())
     }
 
-    fn declaration(&mut self, node: &GlobalDeclarationNode) -> Result<GlobalDeclarationNode, Fault> {
+    fn declaration(
+        &mut self,
+        node: &GlobalDeclarationNode,
+    ) -> Result<GlobalDeclarationNode, Fault> {
         let declaration = match node.node() {
             GlobalDeclaration::Struct(item) => {
                 let mut kept = item.clone();
@@ -128,7 +138,10 @@ impl Translator<'_> {
                 GlobalDeclaration::Struct(kept)
             }
             GlobalDeclaration::Function(item) => {
-                let mut kept = Function { body: CompoundStatement::default(), ..item.clone() };
+                let mut kept = Function {
+                    body: CompoundStatement::default(),
+                    ..item.clone()
+                };
                 kept.parameters.clear();
                 let outer = std::mem::replace(&mut self.chain, Chain::None);
                 for parameter in &item.parameters {
@@ -177,16 +190,13 @@ impl Translator<'_> {
             Statement::Compound(block) => self.block(block),
             Statement::If(item) => {
                 self.block(&item.if_clause.body)?;
-                // The clauses are a list of their own: `@else` may follow an `@if` among them.
-                let outer = std::mem::replace(&mut self.chain, Chain::None);
                 for clause in &item.else_if_clauses {
-                    self.clause(&clause.attributes, &clause.body)?;
+                    self.block(&clause.body)?;
                 }
-                if let Some(clause) = &item.else_clause {
-                    self.clause(&clause.attributes, &clause.body)?;
+                match &item.else_clause {
+                    Some(clause) => self.block(&clause.body),
+                    None => Ok(()),
                 }
-                self.chain = outer;
-                Ok(())
             }
             Statement::Switch(item) => {
                 let outer = std::mem::replace(&mut self.chain, Chain::None);
@@ -230,8 +240,12 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// A `case`, `default` or `else` with its block.
-    fn clause(&mut self, attributes: &[AttributeNode], body: &CompoundStatement) -> Result<(), Fault> {
+    /// A `case` or `default` with its block.
+    fn clause(
+        &mut self,
+        attributes: &[AttributeNode],
+        body: &CompoundStatement,
+    ) -> Result<(), Fault> {
         if self.keep(attributes)? {
             self.block(body)
         } else {
@@ -252,7 +266,9 @@ impl Translator<'_> {
                 let message = "only one of `@if`, `@elif` and `@else` may stand here";
                 return Err(Fault::new(Cause::Syntax, message)
                     .at(self.source.place(attribute.span().range()))
-                    .at(self.source.place_labelled(first.span().range(), "the first"))
+                    .at(self
+                        .source
+                        .place_labelled(first.span().range(), "the first"))
                     .note("join the conditions with `&&`"));
             }
             condition = Some(attribute);
@@ -268,7 +284,9 @@ impl Translator<'_> {
                 let message = "`@elif` and `@else` must follow an `@if` or `@elif`";
                 return Err(Fault::new(Cause::Syntax, message)
                     .at(self.source.place(attribute.span().range()))
-                    .note("put it on the very next declaration, member, parameter, statement or case"));
+                    .note(
+                        "put it on the very next declaration, member, parameter, statement or case",
+                    ));
             }
             (_, Chain::Taken) => false,
             (Attribute::Elif(condition), Chain::Open) => self.evaluate(condition)?,
@@ -304,9 +322,9 @@ impl Translator<'_> {
                 if name.path.is_none() && name.template_args.is_none() =>
             {
                 let feature = name.ident.name();
-                self.features.get(&feature, &mut self.out.consulted).map_err(|fault| {
-                    fault.at(self.source.place(condition.span().range()))
-                })
+                self.features
+                    .get(&feature, &mut self.out.consulted)
+                    .map_err(|fault| fault.at(self.source.place(condition.span().range())))
             }
             _ => Err(Fault::new(Cause::Syntax, "not a condition on features")
                 .at(self.source.place(condition.span().range()))
@@ -316,18 +334,26 @@ impl Translator<'_> {
 
     fn keyword_spans(&self, keyword: impl Fn(&Token) -> bool) -> Vec<Range<usize>> {
         let tokens = self.syntax.tokens.iter();
-        tokens.filter(|(token, _)| keyword(token)).map(|(_, range)| range.clone()).collect()
+        tokens
+            .filter(|(token, _)| keyword(token))
+            .map(|(_, range)| range.clone())
+            .collect()
     }
 
     /// The tokens from `start` on.
     fn tokens_from(&self, start: usize) -> &[(Token, Range<usize>)] {
-        let index = self.syntax.tokens.partition_point(|(_, range)| range.start < start);
+        let index = self
+            .syntax
+            .tokens
+            .partition_point(|(_, range)| range.start < start);
         &self.syntax.tokens[index..]
     }
 
     fn to_semicolon(&self, start: usize) -> Range<usize> {
         let tokens = self.tokens_from(start);
-        let end = tokens.iter().find(|(token, _)| *token == Token::SymSemicolon);
+        let end = tokens
+            .iter()
+            .find(|(token, _)| *token == Token::SymSemicolon);
         start..end.map_or(start, |(_, range)| range.end)
     }
 
@@ -350,7 +376,9 @@ impl Translator<'_> {
         let mut depth = 0usize;
         for (token, range) in self.tokens_from(start) {
             match token {
-                Token::SymParenLeft | Token::SymBracketLeft | Token::TemplateArgsStart => depth += 1,
+                Token::SymParenLeft | Token::SymBracketLeft | Token::TemplateArgsStart => {
+                    depth += 1
+                }
                 Token::SymComma if depth == 0 => return start..range.end,
                 Token::SymParenRight if depth == 0 => return start..range.start,
                 Token::SymParenRight | Token::SymBracketRight | Token::TemplateArgsEnd => {
@@ -377,12 +405,17 @@ fn strip(attributes: &mut Vec<AttributeNode>) {
 }
 
 fn is_condition(attribute: &Attribute) -> bool {
-    matches!(attribute, Attribute::If(_) | Attribute::Elif(_) | Attribute::Else)
+    matches!(
+        attribute,
+        Attribute::If(_) | Attribute::Elif(_) | Attribute::Else
+    )
 }
 
 /// Where a node with these attributes starts, `bare` if it has none.
 fn start_of(attributes: &[AttributeNode], bare: usize) -> usize {
-    attributes.first().map_or(bare, |attribute| attribute.span().start)
+    attributes
+        .first()
+        .map_or(bare, |attribute| attribute.span().start)
 }
 
 fn declaration_attributes(declaration: &GlobalDeclaration) -> &[AttributeNode] {

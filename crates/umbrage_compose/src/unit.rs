@@ -6,13 +6,7 @@ use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
 
-use crate::{
-    Cause, Fault, Library,
-    error::nearest,
-    names::Item,
-    prepare::Prepared,
-    stubs::JOINT,
-};
+use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepared, stubs::JOINT};
 
 /// A module as naga parsed it.
 #[derive(Debug)]
@@ -56,15 +50,31 @@ pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Re
     let source = library.source(module);
     let item = |name: &Option<String>| {
         let name = name.clone().unwrap_or_default();
-        prepared.stubs.items.get(&name).cloned().unwrap_or(Item { module, name })
+        prepared
+            .stubs
+            .items
+            .get(&name)
+            .cloned()
+            .unwrap_or(Item { module, name })
     };
-    let functions: HashMap<_, _> =
-        parsed.functions.iter().map(|(handle, f)| (handle, item(&f.name))).collect();
-    let globals: HashMap<_, _> =
-        parsed.global_variables.iter().map(|(handle, g)| (handle, item(&g.name))).collect();
-    let overrides = parsed.overrides.iter().map(|(handle, o)| (handle, item(&o.name))).collect();
+    let functions: HashMap<_, _> = parsed
+        .functions
+        .iter()
+        .map(|(handle, f)| (handle, item(&f.name)))
+        .collect();
+    let globals: HashMap<_, _> = parsed
+        .global_variables
+        .iter()
+        .map(|(handle, g)| (handle, item(&g.name)))
+        .collect();
+    let overrides = parsed
+        .overrides
+        .iter()
+        .map(|(handle, o)| (handle, item(&o.name)))
+        .collect();
     let own = |stub: &Option<String>| {
-        stub.as_ref().is_some_and(|name| !prepared.stubs.items.contains_key(name))
+        stub.as_ref()
+            .is_some_and(|name| !prepared.stubs.items.contains_key(name))
     };
     let type_names = parsed
         .types
@@ -96,9 +106,18 @@ pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Re
         overrides,
         type_names,
     };
-    unit.facts = unit.module.functions.iter().map(|(_, f)| facts(&unit.module, f)).collect();
-    unit.entry_facts =
-        unit.module.entry_points.iter().map(|e| facts(&unit.module, &e.function)).collect();
+    unit.facts = unit
+        .module
+        .functions
+        .iter()
+        .map(|(_, f)| facts(&unit.module, f))
+        .collect();
+    unit.entry_facts = unit
+        .module
+        .entry_points
+        .iter()
+        .map(|e| facts(&unit.module, &e.function))
+        .collect();
     for (_, function) in unit.module.functions.iter_mut() {
         shift_function(function, source.base, prepared.own);
     }
@@ -150,7 +169,9 @@ pub(crate) fn for_each_block(statement: &mut Statement, visit: &mut dyn FnMut(&m
             visit(reject);
         }
         Statement::Switch { cases, .. } => cases.iter_mut().for_each(|case| visit(&mut case.body)),
-        Statement::Loop { body, continuing, .. } => {
+        Statement::Loop {
+            body, continuing, ..
+        } => {
             visit(body);
             visit(continuing);
         }
@@ -220,7 +241,9 @@ fn block_facts(
                     block_facts(function, roots, &case.body, facts);
                 }
             }
-            Statement::Loop { body, continuing, .. } => {
+            Statement::Loop {
+                body, continuing, ..
+            } => {
                 block_facts(function, roots, body, facts);
                 block_facts(function, roots, continuing, facts);
             }
@@ -230,7 +253,11 @@ fn block_facts(
                 }
                 None => facts.acts |= !is_local(function, *pointer),
             },
-            Statement::Call { function: callee, arguments, result } => {
+            Statement::Call {
+                function: callee,
+                arguments,
+                result,
+            } => {
                 facts.calls.insert((*callee, result.is_none()));
                 for argument in arguments {
                     if let Some(root) = roots[argument.index()] {
@@ -249,7 +276,9 @@ fn is_local(function: &Function, mut pointer: Handle<Expression>) -> bool {
     loop {
         match function.expressions[pointer] {
             Expression::LocalVariable(_) => return true,
-            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => pointer = base,
+            Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
+                pointer = base
+            }
             _ => return false,
         }
     }
@@ -293,7 +322,11 @@ fn parse_fault(
         fault = fault.note(plain(note));
     }
     // Naga names what it does not know; the nearest known name is most of the help.
-    if let Some(unknown) = message.split('`').nth(1).filter(|_| message.contains("no definition")) {
+    if let Some(unknown) = message
+        .split('`')
+        .nth(1)
+        .filter(|_| message.contains("no definition"))
+    {
         let known = prepared.known.iter().map(String::as_str);
         if let Some(near) = nearest(unknown, known) {
             fault = fault.note(format!("did you mean `{near}`?"));
@@ -307,7 +340,10 @@ fn parse_fault(
                 })
         });
         if let Some((_, other)) = elsewhere {
-            fault = fault.note(format!("`{}` declares it: import it from there", other.path));
+            fault = fault.note(format!(
+                "`{}` declares it: import it from there",
+                other.path
+            ));
         }
     }
     fault
