@@ -34,7 +34,6 @@ pub(crate) fn demo() -> Result<()> {
         bar.set_style(style);
     }
     bar.enable_steady_tick(Duration::from_millis(100));
-    let mut made = Vec::new();
     for scene in scenes {
         let name = scene
             .file_stem()
@@ -46,14 +45,11 @@ pub(crate) fn demo() -> Result<()> {
         let scene = format!("{SCENES}/{name}.ron");
         let mut render = umbrage(&["render", &scene, "--size", SIZE, "--out", &picture]);
         captured(&mut render)?;
-        made.push(picture);
+        bar.suspend(|| eprintln!("    {picture}"));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    eprintln!("the pictures are in {}:", pictures.display());
-    for picture in made {
-        eprintln!("    {picture}");
-    }
+    eprintln!("the pictures are in {}", pictures.display());
     Ok(())
 }
 
