@@ -1,0 +1,120 @@
+//! What the shader makes of a plan, by its twin.
+
+use std::f64::consts::FRAC_PI_4;
+
+use glam::{DQuat, DVec2, DVec3};
+use umbrage_methods::basic_twin::BasicTwin;
+use umbrage_shadow::*;
+
+use crate::scene::{Scene, casters, matrix, plan};
+
+/// A plane does not shade itself at any tilt, and is shaded by a box above it, for every width.
+#[test]
+fn planes_are_lit_and_covered() {
+    for kind in [
+        LightKind::Directional {
+            direction: DVec3::NEG_Y,
+        },
+        LightKind::Spot {
+            position: DVec3::new(0.3, 4.0, -6.0),
+            direction: DVec3::NEG_Y,
+            inner_angle: 0.3,
+            outer_angle: FRAC_PI_4,
+            range: 30.0,
+        },
+        LightKind::Point {
+            position: DVec3::new(0.3, 4.0, -6.0),
+            range: 30.0,
+        },
+    ] {
+        for degrees in [0.0, 30.0, 60.0, 80.0, 85.0, 89.0] {
+            for width in [1, 3, 5, 7, 15] {
+                check_plane(kind.clone(), f64::to_radians(degrees), width);
+            }
+        }
+    }
+}
+
+fn check_plane(kind: LightKind, tilt: f64, width: u32) {
+    let mut scene = Scene::new(kind.clone());
+    let half = DVec3::new(1.0, 1.0, 1.0);
+    let middle = DVec3::new(0.0, 0.0, -6.0);
+    scene.receivers = vec![Aabb {
+        min: middle - half,
+        max: middle + half,
+    }];
+    scene.casters = scene.receivers.clone();
+    scene.width = width;
+    let plan = plan(&scene).expect("a plan");
+    let twin = BasicTwin::new(&plan, width, true).expect("a plan of basic's");
+    // The receiver: a plane through the box's middle, tilted from facing up.
+    let normal = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(tilt) * DVec3::Y;
+    let passes = casters(&plan);
+    let depth = |height: f64| {
+        let passes = &passes;
+        move |layer: u32, x: u32, y: u32| {
+            let pass = &passes[layer as usize].view_proj.as_dmat4();
+            let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / 256.0;
+            let clip = DVec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+            let inverse = pass.inverse();
+            let at = |z: f64| inverse.project_point3(clip.extend(z));
+            let (near, far) = (at(1.0), at(0.0));
+            let to_plane = |p: DVec3| normal.dot(p - middle) - height;
+            let t = to_plane(near) / (to_plane(near) - to_plane(far));
+            // What lies before the near plane or behind the far one is not drawn.
+            let hit = near + t * (far - near);
+            let z = pass.project_point3(hit).z;
+            if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&z) {
+                z as f32
+            } else {
+                0.0
+            }
+        }
+    };
+    let right = normal.any_orthonormal_vector();
+    for (x, y) in [
+        (0.0, 0.0),
+        (0.31, -0.17),
+        (-0.23, 0.41),
+        (0.5, 0.5),
+        (-0.6, 0.1),
+    ] {
+        let point = middle + 0.6 * (x * right + y * normal.cross(right));
+        let lit = twin.calc_shadow(point, normal, depth(0.0));
+        assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
+        let covered = twin.calc_shadow(point, normal, |_, _, _| 1.0);
+        assert!(
+            covered < 0.001 || tilt > 1.3,
+            "{kind:?} {tilt} {width} at {point}: {covered}"
+        );
+    }
+}
+
+#[test]
+fn the_filter_is_a_box_of_bilinear_comparisons() {
+    let mut scene = Scene::new(LightKind::Directional {
+        direction: DVec3::NEG_Y,
+    });
+    scene.receivers = vec![Aabb {
+        min: DVec3::new(-1.0, -1.0, -7.0),
+        max: DVec3::new(1.0, 0.0, -5.0),
+    }];
+    for width in [1u32, 3, 5, 15] {
+        scene.width = width;
+        let plan = plan(&scene).expect("a plan");
+        let twin = BasicTwin::new(&plan, width, false).expect("a plan of basic's");
+        let to_map = matrix(&plan, "world_to_map");
+        for shift in [0.0, 0.2, 0.5, 0.9] {
+            // A half-plane of shade begins at texel 128: the share beyond is linear in the distance.
+            let at = DVec3::new((128.0 + shift) / 256.0, 0.5, 0.1);
+            let point = to_map.inverse().project_point3(at);
+            let lit = twin.calc_shadow(point, DVec3::ZERO, |_, x, _| f32::from(x >= 128));
+            let expected = 0.5 - shift / f64::from(width);
+            let expected = expected.clamp(0.0, 1.0);
+            assert!(
+                (lit - expected).abs() < 1e-4,
+                "width {width}, {shift}: {lit} {expected}"
+            );
+        }
+    }
+}
