@@ -39,8 +39,11 @@ pub(super) struct FrameState<'a> {
 pub(super) struct PassInputs<'a> {
     /// The value of the axis `pass`.
     pub(super) pass: &'a str,
+    /// The light on whose account it is drawn.
+    pub(super) cause: Option<&'a str>,
     pub(super) view_proj: Mat4,
     pub(super) ambient: Vec3,
+    /// The light that the shader reads.
     pub(super) light: Option<LightInputs<'a>>,
     /// With `front` as it is for objects that are not mirrored.
     pub(super) state: DrawState,
@@ -178,7 +181,7 @@ impl Renderer {
                 key: permutation.key.clone(),
                 source: composed.source,
                 object: object.name.clone(),
-                light: light.map(|light| light.source.name.clone()),
+                light: inputs.cause.map(str::to_owned),
             });
         }
         frame.composed.insert(key, Arc::clone(&permutation));
@@ -293,7 +296,11 @@ impl Renderer {
                 frame.instances.push((layout.clone(), buffer.clone()));
                 Ok(Resource::Buffer(buffer))
             }
-            _ => Err(unknown(key, binding, "`frame` and `instances`")),
+            _ => Err(unknown(
+                key,
+                binding,
+                "what the frame gives, `frame` and `instances`",
+            )),
         }
     }
 
@@ -305,7 +312,7 @@ impl Renderer {
     ) -> Result<Resource, RenderError> {
         let own = "what its light and shadow method give";
         let Some(light) = inputs.light else {
-            return Err(unknown(key, binding, "nothing here"));
+            return Err(unknown(key, binding, "what a pass without a light gives"));
         };
         match (binding.name.as_str(), &binding.kind) {
             ("light", BindingKind::Uniform(_)) => self.uniform(key, binding, light.constants),
@@ -387,7 +394,7 @@ enum Resource {
 }
 
 fn unknown(key: &Key, binding: &Binding, known: &str) -> RenderError {
-    let problem = format!("group {} can bind only {known}", binding.group);
+    let problem = format!("the shader reads it, but it is none of {known}");
     RenderError::binding(key, binding, problem)
 }
 

@@ -196,6 +196,7 @@ impl Renderer {
         };
         let base = PassInputs {
             pass: "base",
+            cause: None,
             view_proj: shot.view_proj,
             ambient: shot.scene.ambient,
             light: None,
@@ -216,6 +217,7 @@ impl Renderer {
             let constants = lights::constants(&light.source.light, shot.view.position);
             let inputs = PassInputs {
                 pass: "illumination",
+                cause: Some(&light.source.name),
                 view_proj: shot.view_proj,
                 ambient: Vec3::ZERO,
                 light: Some(LightInputs {
@@ -251,11 +253,12 @@ impl Renderer {
                 self.shadow(frame, shot, light, &lit)?
             };
             let constants = lights::constants(&light.source.light, shot.view.position);
-            let inputs = |light, state| PassInputs {
+            let inputs = |reads, state| PassInputs {
                 pass: "shadow_term",
+                cause: Some(&light.source.name),
                 view_proj: shot.view_proj,
                 ambient: Vec3::ZERO,
-                light,
+                light: reads,
                 state,
             };
             let own = LightInputs {

@@ -53,7 +53,7 @@ impl Renderer {
             match pass {
                 Pass::Casters(pass) => {
                     let slots = slots(setup, pass, &casting)?;
-                    self.draw_casters(frame, setup, pass, &textures, &slots)?;
+                    self.draw_casters(frame, (light, setup), pass, &textures, &slots)?;
                 }
                 _ => return Err(bad_plan(setup, "a pass of a kind that is not known here")),
             }
@@ -129,7 +129,7 @@ impl Renderer {
     fn draw_casters(
         &mut self,
         frame: &mut FrameState<'_>,
-        setup: &MethodSetup<'_>,
+        (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
         pass: &CasterPass,
         textures: &BTreeMap<String, (TextureDesc, wgpu::Texture)>,
         slots: &[usize],
@@ -144,6 +144,7 @@ impl Renderer {
         check_target(setup, pass, desc)?;
         let inputs = PassInputs {
             pass: "caster",
+            cause: Some(&light.source.name),
             view_proj: pass.view_proj,
             ambient: Vec3::ZERO,
             light: None,

@@ -313,7 +313,7 @@ fn bad_scene_files_are_refused() {
     let cases = [
         ("target: (0, 1, 0)", "aim: (0, 1, 0)", "test.ron:2:"),
         ("casts: false", "cast: false", "test.ron:9:"),
-        ("(shape: plane", "(\"", "test.ron:1"),
+        ("(shape: plane", "(\"", "test.ron:9:10"),
         (
             "    camera: (position: (0, 1, 5), target: (0, 1, 0)),\n",
             "",

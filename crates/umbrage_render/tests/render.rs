@@ -1,0 +1,386 @@
+//! What a renderer does with scenes, options and methods, good and bad.
+
+mod common;
+
+use common::{color, example, methods, renderer, scene, small};
+use glam::DVec3;
+use umbrage_compose::Source;
+use umbrage_render::{Picture, RenderOptions, Scene, What};
+use umbrage_shadow::{
+    CasterPass, Constants, DepthTest, Frame, Light, Pass, PlanError, Registry, Setting,
+    ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
+};
+
+/// A ball of either surface on a ground; the far lamp reaches only the ground under it.
+fn two_balls() -> Scene {
+    scene(
+        r#"(
+        camera: (position: (0, 3, 8), target: (0, 0, 0)),
+        lights: [
+            (name: "sun", kind: directional(direction: (0, -1, -1))),
+            (name: "lamp", kind: point(position: (-2, 1.2, 0), range: 1)),
+            (name: "away", kind: point(position: (0, 0, 90), range: 1)),
+        ],
+        models: [
+            (shape: sphere(radius: 0.5), name: "matt", translation: (-2, 0.5, 0)),
+            (shape: sphere(radius: 0.5), name: "shiny", translation: (2, 0.5, 0), surface: "ggx"),
+            (shape: sphere(radius: 0.5), name: "unseen", translation: (0, 0, 20), surface: "ggx"),
+        ])"#,
+    )
+}
+
+#[test]
+fn what_a_scene_needs_is_composed_and_no_more() {
+    let scene = two_balls();
+    let mut renderer = renderer(methods());
+    let first = renderer
+        .render(&scene, &small(What::Shaded))
+        .expect("renders");
+    let uses: Vec<_> = first
+        .report
+        .permutations
+        .iter()
+        .map(|used| {
+            let light = used.light.clone().unwrap_or_default();
+            format!("{} for {} {light}", used.key, used.object)
+        })
+        .collect();
+    assert_eq!(
+        uses,
+        [
+            "pass=base for matt ",
+            "pass=illumination for matt sun",
+            "pass=illumination,surface=ggx for shiny sun",
+            "light=point,pass=illumination for matt lamp",
+        ]
+    );
+    assert_eq!((first.report.composed(), first.report.cached()), (4, 0));
+    // Base, sun and lamp; the light that is away has no pass.
+    assert_eq!(first.report.passes, 3);
+    assert_eq!(first.report.draws, 5);
+
+    let again = renderer
+        .render(&scene, &small(What::Shaded))
+        .expect("renders");
+    assert_eq!((again.report.composed(), again.report.cached()), (0, 4));
+    assert!(
+        again
+            .report
+            .permutations
+            .iter()
+            .all(|used| used.source == Source::Memory)
+    );
+    assert_eq!(again.picture, first.picture);
+}
+
+#[test]
+fn the_same_input_gives_the_same_pixels() {
+    let scene = example("leaves.ron");
+    for what in [What::Shaded, What::ShadowTerm] {
+        let render = || {
+            renderer(methods())
+                .render(&scene, &small(what))
+                .expect("renders")
+        };
+        assert_eq!(render().picture, render().picture);
+    }
+}
+
+#[test]
+fn a_scene_far_from_the_origin_looks_as_it_does_there() {
+    let near = example("suzanne_spot.ron");
+    let mut far = near.clone();
+    // A power of two, so that nothing is rounded on the way.
+    let offset = DVec3::new(1_048_576.0, 0.0, -1_048_576.0);
+    far.camera.position += offset;
+    for object in &mut far.objects {
+        object.transform.translation += offset;
+        object.bounds = object.bounds.translate(offset);
+    }
+    for light in &mut far.lights {
+        if let umbrage_shadow::LightKind::Spot { position, .. } = &mut light.light.kind {
+            *position += offset;
+        }
+    }
+    let mut renderer = renderer(methods());
+    let mut shoot = |scene: &Scene| {
+        let rendered = renderer
+            .render(scene, &small(What::Shaded))
+            .expect("renders");
+        let Picture::Shaded(pixels) = rendered.picture else {
+            unreachable!("a shaded picture was asked for")
+        };
+        pixels
+    };
+    let (near, far) = (shoot(&near), shoot(&far));
+    let differ = near.iter().zip(&far).filter(|(a, b)| {
+        a.iter()
+            .zip(b.iter())
+            .any(|(a, b)| (a - b).abs() > 0.02 * a.max(*b) + 1e-3)
+    });
+    // A shadow's edge may fall on the other side of a pixel here and there.
+    assert!(differ.count() < near.len() / 1000);
+}
+
+#[test]
+fn a_cookie_is_projected_upright() {
+    let scene = example("suzanne_spot.ron");
+    let options = RenderOptions {
+        method: Some("none".to_owned()),
+        ..RenderOptions::default()
+    };
+    let rendered = renderer(methods())
+        .render(&scene, &options)
+        .expect("renders");
+    let [r, g, b] = color(&scene, &rendered, DVec3::new(-2.8, 0.0, -4.1));
+    assert!(r > 2.0 * g && r > 2.0 * b, "red top left, not {r} {g} {b}");
+    let [r, g, b] = color(&scene, &rendered, DVec3::new(2.8, 0.0, -4.1));
+    assert!(g > 2.0 * r && g > b, "green top right, not {r} {g} {b}");
+    let [r, g, b] = color(&scene, &rendered, DVec3::new(-1.6, 0.0, 1.5));
+    assert!(
+        b > 2.0 * r && b > 2.0 * g,
+        "blue bottom left, not {r} {g} {b}"
+    );
+}
+
+#[test]
+fn every_axis_can_be_forced() {
+    let scene = two_balls();
+    let mut renderer = renderer(methods());
+    let axes = [
+        ("surface", "ggx"),
+        ("alpha_test", "on"),
+        ("base_color_texture", "on"),
+        ("cookie", "on"),
+        ("pcf", "7"),
+        ("receiver_bias", "constant"),
+    ];
+    let mut options = small(What::Shaded);
+    options.axes = axes
+        .iter()
+        .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
+        .collect();
+    let rendered = renderer.render(&scene, &options).expect("renders");
+    let keys: Vec<_> = rendered
+        .report
+        .permutations
+        .iter()
+        .map(|u| u.key.to_string())
+        .collect();
+    assert_eq!(
+        keys,
+        [
+            "alpha_test=on,base_color_texture=on,pass=base",
+            "alpha_test=on,base_color_texture=on,pass=illumination,surface=ggx",
+            "alpha_test=on,base_color_texture=on,light=point,pass=illumination,surface=ggx",
+        ]
+    );
+}
+
+#[test]
+fn options_that_cannot_be_met_are_refused() {
+    let mut renderer = renderer(methods());
+    let mut refuse = |scene: &Scene, change: &dyn Fn(&mut RenderOptions)| {
+        let mut options = small(What::Shaded);
+        change(&mut options);
+        renderer
+            .render(scene, &options)
+            .expect_err("refused")
+            .to_string()
+    };
+    let choose = |axis: &str, value: &str| {
+        let (axis, value) = (axis.to_owned(), value.to_owned());
+        move |options: &mut RenderOptions| {
+            options.axes.insert(axis.clone(), value.clone());
+        }
+    };
+    let good = two_balls();
+    assert!(refuse(&good, &|o| o.width = 0).contains("0 by 120 pixels"));
+    assert!(refuse(&good, &|o| o.height = 1 << 20).contains("160 by 1048576 pixels"));
+    let message = refuse(&good, &|o| o.method = Some("basik".to_owned()));
+    assert!(
+        message.contains("light `sun`") && message.contains("did you mean `basic`"),
+        "{message}"
+    );
+    let message = refuse(&good, &choose("surfaces", "ggx"));
+    assert!(
+        message.contains("no axis of that name") && message.contains("`surface`"),
+        "{message}"
+    );
+    assert!(refuse(&good, &choose("surface", "glass")).contains("ggx, lambert"));
+    assert!(refuse(&good, &choose("method", "basic")).contains("follows from the scene"));
+
+    let shadow = |text: &str| {
+        scene(&format!(
+            r#"(camera: (position: (0, 3, 8), target: (0, 0, 0)),
+            lights: [(name: "sun", kind: directional(direction: (0, -1, 0)), shadow: {text})],
+            models: [(shape: plane(size: (2, 2)), surface: "lambert")])"#
+        ))
+    };
+    let cases = [
+        (r#"(method: "vsm")"#, "light `sun`: no shadow method `vsm`"),
+        (
+            r#"(method: "basic", axes: {"reciever_bias": "plane"})"#,
+            "did you mean `receiver_bias`?",
+        ),
+        (
+            r#"(method: "basic", axes: {"surface": "ggx"})"#,
+            "method `basic` has no axis",
+        ),
+        (
+            r#"(method: "basic", axes: {"pcf": "4"})"#,
+            "`4` is none of its values",
+        ),
+        (
+            r#"(method: "basic", settings: {"resolution": -1})"#,
+            "method `basic`: `resolution` is -1",
+        ),
+        (
+            r#"(method: "basic", settings: {"size": 1})"#,
+            "no setting `size`",
+        ),
+    ];
+    for (text, expected) in cases {
+        let message = refuse(&shadow(text), &|_| ());
+        assert!(message.contains(expected), "{message}\nlacks: {expected}");
+    }
+    let mut scene = two_balls();
+    let mut material = (*scene.objects[0].material).clone();
+    material.surface = "velvet".to_owned();
+    scene.objects[0].material = material.into();
+    assert!(refuse(&scene, &|_| ()).contains("velvet"));
+    let mut mesh = (*scene.objects[1].mesh).clone();
+    mesh.indices[7] = 1 << 30;
+    let mut scene = two_balls();
+    scene.objects[1].mesh = mesh.into();
+    assert!(refuse(&scene, &|_| ()).contains("its indices do not fit"));
+    // What went wrong leaves the renderer as good as new.
+    assert!(renderer.render(&good, &small(What::Shaded)).is_ok());
+}
+
+/// Stands in for the method `basic`, with a plan that is at fault.
+struct Faulty(Fault);
+
+type Fault = fn(&mut ShadowPlan);
+
+impl ShadowMethod for Faulty {
+    fn name(&self) -> &str {
+        "basic"
+    }
+    fn settings(&self) -> &[Setting] {
+        &[]
+    }
+    fn axes(&self) -> &[&str] {
+        &[]
+    }
+    fn supports(&self, light: &Light) -> Support {
+        match light.kind {
+            umbrage_shadow::LightKind::Point { .. } => Support::No("it has no sides".to_owned()),
+            _ => Support::Yes,
+        }
+    }
+    fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
+        let mut plan = ShadowPlan {
+            textures: vec![TextureDesc {
+                name: "shadow_map".to_owned(),
+                format: wgpu::TextureFormat::Depth32Float,
+                width: 64,
+                height: 64,
+                shape: TextureShape::D2,
+            }],
+            passes: vec![Pass::Casters(CasterPass {
+                target: "shadow_map".to_owned(),
+                layer: 0,
+                viewport: Viewport {
+                    x: 0,
+                    y: 0,
+                    width: 64,
+                    height: 64,
+                },
+                clear: Some(0.0),
+                depth_test: DepthTest {
+                    compare: wgpu::CompareFunction::GreaterEqual,
+                    unclipped: false,
+                },
+                cull: None,
+                view_proj: glam::Mat4::IDENTITY,
+                casters: (0..frame.casters.casters.len()).collect(),
+            })],
+            constants: Constants::new(),
+            ..ShadowPlan::default()
+        };
+        (self.0)(&mut plan);
+        Ok(plan)
+    }
+}
+
+fn pass(plan: &mut ShadowPlan) -> &mut CasterPass {
+    let Some(Pass::Casters(pass)) = plan.passes.first_mut() else {
+        unreachable!("the plan has a pass")
+    };
+    pass
+}
+
+#[test]
+fn faulty_methods_are_named() {
+    let scene = two_balls();
+    let refuse = |fault: Fault, what: usize| {
+        let mut registry = Registry::new();
+        registry.register(Faulty(fault)).expect("the only one");
+        let mut scene = scene.clone();
+        scene.lights = vec![scene.lights[what].clone()];
+        let mut options = small(What::Shaded);
+        options.method = Some("basic".to_owned());
+        renderer(registry)
+            .render(&scene, &options)
+            .expect_err("refused")
+            .to_string()
+    };
+    let cases: [(Fault, &str); 9] = [
+        (
+            |plan| pass(plan).target = "map".to_owned(),
+            "the target `map`",
+        ),
+        (|plan| pass(plan).layer = 1, "layer 1 of `shadow_map`"),
+        (
+            |plan| pass(plan).viewport.x = 1,
+            "outside the 64 by 64 texels",
+        ),
+        (
+            |plan| pass(plan).viewport.width = u32::MAX,
+            "outside the 64 by 64 texels",
+        ),
+        (
+            |plan| pass(plan).casters = vec![3],
+            "a caster that there is not",
+        ),
+        (
+            |plan| pass(plan).depth_test.unclipped = true,
+            "flattened onto the near plane",
+        ),
+        (
+            |plan| pass(plan).view_proj.x_axis.x = f32::NAN,
+            "not finite",
+        ),
+        (
+            |plan| plan.textures[0].format = wgpu::TextureFormat::R32Float,
+            "not of depth alone",
+        ),
+        (|plan| plan.textures[0].width = 0, "0 by 64 texels"),
+    ];
+    for (fault, expected) in cases {
+        let message = refuse(fault, 0);
+        assert!(message.contains(expected), "{message}\nlacks: {expected}");
+    }
+    // The plan is sound, but says nothing of the constants and the sampler that its shader reads.
+    let message = refuse(|_| (), 0);
+    assert!(
+        message.contains("`shadow_sampler` of umbrage::methods::basic"),
+        "{message}"
+    );
+    let message = refuse(|_| (), 1);
+    assert!(
+        message.contains("cannot shadow light `lamp`: it has no sides"),
+        "{message}"
+    );
+}
