@@ -22,7 +22,7 @@ use crate::{
 const HEADER: &[u8; 16] = b"umbrage cache 01";
 
 /// The version of naga that wrote the IR; a test holds it against the lock file.
-pub(crate) const NAGA: &str = "30.0.1";
+pub const NAGA_VERSION: &str = "30.0.1";
 
 #[derive(Debug)]
 pub(crate) struct DiskCache {
@@ -79,7 +79,7 @@ impl DiskCache {
             hasher.update(bytes);
         };
         part(HEADER);
-        part(NAGA.as_bytes());
+        part(NAGA_VERSION.as_bytes());
         part(target.name().as_bytes());
         part(&target.capabilities().bits().to_le_bytes());
         part(key.to_string().as_bytes());

@@ -26,6 +26,7 @@ mod translate;
 mod unit;
 
 pub use axes::{Axes, Axis};
+pub use cache::NAGA_VERSION;
 pub use composer::{Composed, Composer, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use key::Key;
