@@ -1,2 +1,37 @@
-//! The umbrage command.
-fn main() {}
+//! The `umbrage` command.
+//!
+//! Results go to standard output, and with `--json` nothing else does; all that is said to a person goes
+//! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input.
+
+mod adapter;
+mod args;
+mod cause;
+mod check;
+mod link;
+mod list;
+mod output;
+mod permutations;
+mod prebuild;
+mod render;
+mod targets;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Render(args) => render::render(&args),
+        Command::Check(args) => check::check(&args),
+        Command::List(args) => list::list(&args),
+        Command::Prebuild(args) => prebuild::prebuild(&args),
+        Command::Link(args) => link::link(&args),
+        Command::Adapter => adapter::adapter(),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {}", format!("{error:#}").trim_end());
+        ExitCode::from(2)
+    })
+}

@@ -1,0 +1,173 @@
+//! The command's arguments.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::targets::NAMES;
+
+/// Composes shader permutations, and renders scenes with shadow methods.
+///
+/// Exit status: 0 done, 1 the input was found faulty (check), 2 unusable arguments or input.
+#[derive(Parser)]
+#[command(name = "umbrage", version)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Renders a scene to a picture.
+    Render(RenderArgs),
+    /// Validates every permutation of the manifests.
+    Check(CheckArgs),
+    /// Says how many permutations a manifest has, and which axes make them.
+    List(ListArgs),
+    /// Writes every permutation of the manifests as WGSL and SPIR-V, with its reflection.
+    Prebuild(PrebuildArgs),
+    /// Links one module and prints it as WGSL.
+    Link(LinkArgs),
+    /// Says which adapter scenes are rendered with; status 2 where there is none.
+    Adapter,
+}
+
+#[derive(Args)]
+pub(crate) struct RenderArgs {
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    pub(crate) scene: PathBuf,
+    /// The picture's size in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub(crate) size: (u32, u32),
+    /// The shadow method of all lights, in place of the scene's.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) method: Option<String>,
+    /// What the picture shows.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) what: What,
+    /// The picture to write.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) out: PathBuf,
+    /// A folder to keep permutations in from run to run; without it, none is kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(crate) enum What {
+    /// The lit scene.
+    #[default]
+    Shaded,
+    /// The bare shadow term: white is lit, black is in shadow.
+    ShadowTerm,
+}
+
+#[derive(Args)]
+pub(crate) struct CheckArgs {
+    /// The manifests.
+    #[arg(required = true, value_name = "MANIFEST")]
+    pub(crate) manifests: Vec<PathBuf>,
+    /// What to validate for, in place of the manifests' own targets; vulkan is this machine's adapter.
+    #[arg(long, value_parser = NAMES)]
+    pub(crate) target: Option<String>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct ListArgs {
+    /// The manifest.
+    pub(crate) manifest: PathBuf,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct PrebuildArgs {
+    /// The manifests.
+    #[arg(required = true, value_name = "MANIFEST")]
+    pub(crate) manifests: Vec<PathBuf>,
+    /// The folder to write: new, empty, or an earlier prebuild, which is replaced as a whole.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Args)]
+pub(crate) struct LinkArgs {
+    /// The module: all that it declares, and all that this reaches, is printed.
+    pub(crate) file: PathBuf,
+    /// The folder that `package::` stands for; by default the nearest above the file with a wesl.toml,
+    /// or else the file's own.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) package: Option<PathBuf>,
+    /// A feature that is on; may be given again.
+    #[arg(long = "feature", value_name = "NAME")]
+    pub(crate) features: Vec<String>,
+    /// The module that implements an interface; may be given again.
+    #[arg(long = "bind", value_name = "INTERFACE=MODULE", value_parser = binding)]
+    pub(crate) bindings: Vec<(String, String)>,
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let number = |text: &str| text.parse::<u32>().ok().filter(|number| *number > 0);
+    text.split_once('x')
+        .and_then(|(width, height)| Some((number(width)?, number(height)?)))
+        .ok_or_else(|| {
+            "a size is width x height in pixels, both above 0, such as 1280x720".to_owned()
+        })
+}
+
+fn binding(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((interface, module)) if !interface.is_empty() && !module.is_empty() => {
+            Ok((interface.to_owned(), module.to_owned()))
+        }
+        _ => Err("a binding is INTERFACE=MODULE, such as \
+                  package::interface::shadow=package::methods::basic"
+            .to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_arguments_do_not_contradict_each_other() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_size_is_two_numbers_above_zero() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        for bad in [
+            "0x480",
+            "640x0",
+            "640",
+            "640x",
+            "x480",
+            "-1x5",
+            "640x480x2",
+            "1e3x5",
+            "",
+            "99999999999x1",
+        ] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_binding_has_two_sides() {
+        assert_eq!(binding("a=b"), Ok(("a".to_owned(), "b".to_owned())));
+        for bad in ["a", "=b", "a=", ""] {
+            assert!(binding(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! `umbrage check`: every permutation of the manifests, validated.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+    process::ExitCode,
+};
+
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+use serde::Serialize;
+use umbrage::compose::{Cause, Composer, Error, Fault, Key, Location, Manifest, Target};
+
+use crate::{
+    args::CheckArgs,
+    cause::{Checked, smallest_cause},
+    output::{print_json, progress},
+    permutations::{Permutations, values},
+    targets::target,
+};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    /// How many keys the manifests have.
+    keys: usize,
+    /// How many distinct permutations they make.
+    permutations: usize,
+    /// How many keys failed.
+    failed: usize,
+    faults: Vec<ReportedFault>,
+}
+
+/// One fault, however many permutations it was found in.
+#[derive(Serialize)]
+struct ReportedFault {
+    file: Option<String>,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+    keys: Vec<String>,
+    /// The smallest choice of axes that triggers it.
+    cause: String,
+    /// The fault with its source lines, for a person.
+    #[serde(skip)]
+    rendered: String,
+}
+
+/// What makes two findings the same fault.
+type Identity = (Cause, Vec<Location>, String);
+
+/// All keys that were checked, and the faults found.
+#[derive(Default)]
+struct Findings {
+    /// Each key of each manifest: the key, and the value of every axis.
+    subjects: Vec<(Key, BTreeMap<String, String>)>,
+    permutations: usize,
+    /// Each fault, with the subjects that it was found in.
+    faults: BTreeMap<Identity, (Fault, BTreeSet<usize>)>,
+}
+
+pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
+    let mut findings = Findings::default();
+    for path in &args.manifests {
+        match Manifest::load(path) {
+            Ok(manifest) => {
+                let target = target(args.target.as_deref().unwrap_or(manifest.target()))
+                    .with_context(|| format!("{} cannot be checked", path.display()))?;
+                findings.examine(&manifest, target);
+            }
+            Err(error) => findings.refuse(error, path)?,
+        }
+    }
+    let report = findings.report();
+    if args.json {
+        print_json(&report)?;
+    }
+    for fault in &report.faults {
+        eprintln!("error: {}  = fails when {}\n", fault.rendered, fault.cause);
+    }
+    eprintln!(
+        "{} keys, {} permutations, {} keys failed with {} faults",
+        report.keys,
+        report.permutations,
+        report.failed,
+        report.faults.len(),
+    );
+    Ok(if report.faults.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+impl Findings {
+    /// Validates each permutation of `manifest` once.
+    fn examine(&mut self, manifest: &Manifest, target: Target) {
+        let composer = Composer::new(manifest.library().clone(), target);
+        let permutations = Permutations::of(&composer, manifest.keys());
+        self.permutations += permutations.keys.len();
+
+        let bar = progress("checking", permutations.keys.len());
+        let outcomes: Vec<_> = permutations
+            .keys
+            .into_par_iter()
+            .map(|(projected, keys)| {
+                let outcome = composer.compose(&projected);
+                bar.inc(1);
+                (keys, outcome.err())
+            })
+            .collect();
+        bar.finish_and_clear();
+
+        let faulty = permutations
+            .faulty
+            .into_iter()
+            .map(|(key, error)| (vec![key], Some(error)));
+        for (keys, error) in outcomes.into_iter().chain(faulty) {
+            let first = self.subjects.len();
+            for key in keys {
+                let values = values(manifest.library(), &key);
+                self.subjects.push((key, values));
+            }
+            let subjects = first..self.subjects.len();
+            for fault in error.into_iter().flat_map(Error::into_faults) {
+                self.add(fault, subjects.clone());
+            }
+        }
+    }
+
+    /// Takes a manifest that does not load: faults in its packages are findings; a manifest that cannot
+    /// be read or understood leaves nothing to check.
+    fn refuse(&mut self, error: Error, path: &Path) -> Result<()> {
+        let unusable =
+            |fault: &Fault| matches!(fault.cause, Cause::File | Cause::Manifest | Cause::Key);
+        if error.faults().iter().any(unusable) {
+            return Err(error).with_context(|| format!("{} cannot be checked", path.display()));
+        }
+        for fault in error.into_faults() {
+            self.add(fault, 0..0);
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, fault: Fault, subjects: std::ops::Range<usize>) {
+        let identity = (fault.cause, fault.locations.clone(), fault.message.clone());
+        self.faults
+            .entry(identity)
+            .or_insert_with(|| (fault, BTreeSet::new()))
+            .1
+            .extend(subjects);
+    }
+
+    fn report(self) -> Report {
+        let failed: BTreeSet<_> = self
+            .faults
+            .values()
+            .flat_map(|(_, subjects)| subjects)
+            .collect();
+        let failed = failed.len();
+        let reported = |(mut fault, subjects): (Fault, BTreeSet<usize>)| {
+            let checked: Vec<_> = self
+                .subjects
+                .iter()
+                .enumerate()
+                .map(|(index, (_, values))| Checked {
+                    values,
+                    faulty: subjects.contains(&index),
+                })
+                .collect();
+            let keys: BTreeSet<_> = subjects
+                .iter()
+                .map(|index| &self.subjects[*index].0)
+                .collect();
+            fault.keys = keys.into_iter().cloned().collect();
+            let location = fault.location();
+            ReportedFault {
+                file: location.map(|at| at.file.clone()),
+                line: location.map(|at| at.line),
+                column: location.map(|at| at.column),
+                message: fault.message.clone(),
+                keys: fault.keys.iter().map(Key::to_string).collect(),
+                // A fault of a package that does not even load is there whatever is chosen.
+                cause: if subjects.is_empty() {
+                    "always".to_owned()
+                } else {
+                    smallest_cause(&checked)
+                },
+                rendered: fault.to_string(),
+            }
+        };
+        Report {
+            keys: self.subjects.len(),
+            permutations: self.permutations,
+            failed,
+            faults: self.faults.into_values().map(reported).collect(),
+        }
+    }
+}

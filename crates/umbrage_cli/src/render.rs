@@ -1,0 +1,155 @@
+//! `umbrage render`: a scene to a picture.
+
+use std::{path::Path, process::ExitCode, sync::Arc};
+
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+use umbrage::{
+    compose::{Composer, Source, Target},
+    methods::registry,
+    render::{self, Gpu, PermutationUse, RenderOptions, Rendered, Renderer, Scene},
+    shader_library,
+};
+
+use crate::{
+    args::{RenderArgs, What},
+    output::{print_json, waiting},
+};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    picture: &'a Path,
+    adapter: &'a str,
+    permutations: Permutations<'a>,
+    /// From the scene to the pixels in memory.
+    milliseconds: f64,
+}
+
+#[derive(Serialize)]
+struct Permutations<'a> {
+    /// How many were linked for this picture.
+    composed: usize,
+    /// How many came from a cache.
+    cached: usize,
+    /// All of them, as they were first needed.
+    used: Vec<Used<'a>>,
+}
+
+#[derive(Serialize)]
+struct Used<'a> {
+    key: String,
+    from: &'static str,
+    /// The object that first needed it, and the light that it lay in.
+    object: &'a str,
+    light: Option<&'a str>,
+}
+
+pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
+    check_writable(&args.out)?;
+    let registry = registry()?;
+    // The scene's own methods are checked light by light; this one is wrong in any scene.
+    if let Some(method) = args.method.as_deref().filter(|method| *method != "none") {
+        registry
+            .get(method)
+            .context("--method: choose a known one, or `none` for no shadows")?;
+    }
+    let scene = Scene::load(&args.scene)?;
+    let mut composer = Composer::new(shader_library()?, Target::webgpu());
+    if let Some(folder) = &args.cache {
+        composer = composer.with_disk_cache(folder)?;
+    }
+    let bar = waiting("rendering");
+    let mut renderer = Renderer::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
+    let rendered = renderer
+        .render(&scene, &options(args))
+        .with_context(|| format!("{} cannot be rendered", args.scene.display()))?;
+    bar.finish_and_clear();
+    rendered.save_png(&args.out)?;
+    for warning in &rendered.report.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let report = report(args, &rendered);
+    if args.json {
+        print_json(&report)?;
+    } else {
+        tell(&report);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn options(args: &RenderArgs) -> RenderOptions {
+    RenderOptions {
+        width: args.size.0,
+        height: args.size.1,
+        what: match args.what {
+            What::Shaded => render::What::Shaded,
+            What::ShadowTerm => render::What::ShadowTerm,
+        },
+        method: args.method.clone(),
+        ..RenderOptions::default()
+    }
+}
+
+/// Says at once, rather than after the rendering, where the picture cannot be written.
+fn check_writable(out: &Path) -> Result<()> {
+    let png = out
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if !png || out.is_dir() {
+        bail!("--out {} names no picture; end it in .png", out.display());
+    }
+    let folder = match out.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    tempfile::tempfile_in(folder).with_context(|| {
+        format!(
+            "--out {} cannot be written; choose a folder that exists and may be written to",
+            out.display()
+        )
+    })?;
+    Ok(())
+}
+
+fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
+    let used = |used: &'a PermutationUse| Used {
+        key: used.key.to_string(),
+        from: match used.source {
+            Source::Linked => "linked",
+            Source::Memory => "memory",
+            Source::Disk => "disk",
+        },
+        object: &used.object,
+        light: used.light.as_deref(),
+    };
+    Report {
+        picture: &args.out,
+        adapter: &rendered.adapter,
+        permutations: Permutations {
+            composed: rendered.report.composed(),
+            cached: rendered.report.cached(),
+            used: rendered.report.permutations.iter().map(used).collect(),
+        },
+        milliseconds: rendered.report.milliseconds,
+    }
+}
+
+/// The report for a person, on standard error.
+fn tell(report: &Report<'_>) {
+    for used in &report.permutations.used {
+        let light = used
+            .light
+            .map(|light| format!(" in the light of {light}"))
+            .unwrap_or_default();
+        eprintln!("{:6} {}, for {}{light}", used.from, used.key, used.object);
+    }
+    eprintln!(
+        "{} was rendered on {} in {:.0} ms: {} permutations composed, {} from a cache",
+        report.picture.display(),
+        report.adapter,
+        report.milliseconds,
+        report.permutations.composed,
+        report.permutations.cached,
+    );
+}

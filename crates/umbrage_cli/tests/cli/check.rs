@@ -1,0 +1,171 @@
+use std::fs;
+
+use serde_json::json;
+use tempfile::TempDir;
+
+use super::{faulty_package, json, path_in, refusal, stderr, stdout, umbrage, write};
+
+#[test]
+fn the_demo_is_faultless() {
+    let output = umbrage(&["check", "permutations/demo.ron", "--json"]);
+    let report = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(report["failed"], 0);
+    assert_eq!(report["faults"], json!([]));
+    let count = |name: &str| report[name].as_u64().expect("a number");
+    assert!(
+        count("permutations") > 0 && count("keys") >= count("permutations"),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_fault_is_told_once_with_its_cause() {
+    let folder = faulty_package();
+    let output = umbrage(&["check", &path_in(&folder, "all.ron"), "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let report = json(&output);
+    assert_eq!(report["keys"], 8);
+    assert_eq!(
+        report["permutations"], 3,
+        "`unread` changes nothing, `light` only what `bad` is"
+    );
+    assert_eq!(report["failed"], 2);
+    let faults = report["faults"].as_array().expect("faults");
+    assert_eq!(faults.len(), 1, "{report}");
+    let fault = &faults[0];
+    assert_eq!(fault["line"], 2, "{fault}");
+    assert!(fault["column"].as_u64().expect("a column") > 1);
+    assert!(
+        fault["file"]
+            .as_str()
+            .expect("a file")
+            .ends_with("bad.wesl")
+    );
+    assert!(!fault["message"].as_str().expect("a message").is_empty());
+    assert_eq!(
+        fault["keys"],
+        json!([
+            "light=lamp,method=bad,pass=main",
+            "light=lamp,method=bad,pass=main,unread=on"
+        ])
+    );
+    assert_eq!(fault["cause"], "light=lamp, method=bad");
+}
+
+#[test]
+fn a_person_reads_the_source_line() {
+    let folder = faulty_package();
+    let output = umbrage(&["check", &path_in(&folder, "all.ron")]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(stdout(&output), "");
+    let said = stderr(&output);
+    assert!(said.contains("let wrong: f32 = position;"), "{said}");
+    assert!(said.contains("fails when light=lamp, method=bad"), "{said}");
+}
+
+#[test]
+fn targets_differ_in_what_they_allow() {
+    let folder = faulty_package();
+    let manifest =
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }], target: "TARGET")"#;
+    write(&folder, "webgpu.ron", &manifest.replace("TARGET", "webgpu"));
+    write(&folder, "vulkan.ron", &manifest.replace("TARGET", "vulkan"));
+    write(
+        &folder,
+        "gameboy.ron",
+        &manifest.replace("TARGET", "gameboy"),
+    );
+    let doubles = "fn calc_shadow(position: vec3f) -> f32 { return f32(f64(position.x)); }\n";
+    write(&folder, "pkg/good.wesl", doubles);
+    let status = |args: &[&str]| umbrage(&[&["check"], args].concat()).status.code();
+    let (webgpu, vulkan) = (
+        path_in(&folder, "webgpu.ron"),
+        path_in(&folder, "vulkan.ron"),
+    );
+    // Software Vulkan has 64-bit floats; WebGPU has none.
+    assert_eq!(status(&[&webgpu]), Some(1));
+    assert_eq!(status(&[&vulkan]), Some(0));
+    assert_eq!(status(&[&webgpu, "--target", "vulkan"]), Some(0));
+    assert_eq!(status(&[&vulkan, "--target", "webgpu"]), Some(1));
+    let said = refusal(&["check", &path_in(&folder, "gameboy.ron")]);
+    assert!(
+        said.contains("gameboy") && said.contains("webgpu, vulkan"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_module_that_is_no_wesl_is_a_finding() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "pkg/good.wesl",
+        "fn calc_shadow(position: vec3f -> f32 {}\n",
+    );
+    let output = umbrage(&["check", &path_in(&folder, "all.ron"), "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let report = json(&output);
+    let faults = report["faults"].as_array().expect("faults");
+    assert!(faults.iter().any(|fault| {
+        fault["file"]
+            .as_str()
+            .is_some_and(|f| f.ends_with("good.wesl"))
+    }));
+}
+
+#[test]
+fn several_manifests_are_one_report() {
+    let folder = faulty_package();
+    let faulty = path_in(&folder, "all.ron");
+    let output = umbrage(&["check", &faulty, "permutations/demo.ron", &faulty, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let report = json(&output);
+    assert_eq!(report["faults"].as_array().expect("faults").len(), 1);
+    assert_eq!(report["failed"], 4);
+}
+
+#[test]
+fn manifests_that_cannot_be_used() {
+    let folder = TempDir::new().expect("a folder");
+    let said = refusal(&["check", "no/such/manifest.ron", "--json"]);
+    assert!(said.contains("no/such/manifest.ron"), "{said}");
+
+    let text = fs::read_to_string(super::root().join("permutations/demo.ron")).expect("a manifest");
+    write(&folder, "truncated.ron", &text[..text.len() / 2]);
+    assert!(refusal(&["check", &path_in(&folder, "truncated.ron")]).contains("truncated.ron:"));
+
+    let faults = [
+        ("field", r#"(packages: {}, kees: [])"#, "kees"),
+        (
+            "axis",
+            r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"], "metod": All }])"#,
+            "method",
+        ),
+        (
+            "value",
+            r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["mian"] }])"#,
+            "main",
+        ),
+        (
+            "empty",
+            r#"(packages: { "pkg": "pkg" }, keys: [])"#,
+            "no key",
+        ),
+        (
+            "package",
+            r#"(packages: { "pkg": "gone" }, keys: [{ "pass": ["main"] }])"#,
+            "gone",
+        ),
+    ];
+    let folder = faulty_package();
+    for (name, text, part) in faults {
+        let path = format!("{name}.ron");
+        write(&folder, &path, text);
+        let said = refusal(&["check", &path_in(&folder, &path)]);
+        assert!(
+            said.contains(part) && said.contains(&path),
+            "{name}: {said}"
+        );
+    }
+}

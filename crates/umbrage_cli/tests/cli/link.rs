@@ -1,0 +1,85 @@
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::{faulty_package, path_in, refusal, stderr, stdout, umbrage, write};
+
+fn link(args: &[&str]) -> String {
+    let mut all = vec!["link"];
+    all.extend(args);
+    let output = umbrage(&all);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let wgsl = stdout(&output).to_owned();
+    let module = naga::front::wgsl::parse_str(&wgsl)
+        .map_err(|error| format!("{error} in\n{wgsl}"))
+        .expect("WGSL");
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| format!("{error} in\n{wgsl}"))
+        .expect("valid");
+    wgsl
+}
+
+#[test]
+fn a_module_with_what_it_reaches() {
+    let folder = faulty_package();
+    let (main, pkg) = (path_in(&folder, "pkg/main.wesl"), path_in(&folder, "pkg"));
+    let bind = "package::interface::shadow=package::bad";
+    let wgsl = link(&[&main, "--package", &pkg, "--bind", bind]);
+    assert!(
+        wgsl.contains("fs_main") && wgsl.contains("calc_shadow"),
+        "{wgsl}"
+    );
+    assert!(!wgsl.contains("import"), "{wgsl}");
+
+    let said = refusal(&[
+        "link",
+        &main,
+        "--package",
+        &pkg,
+        "--bind",
+        bind,
+        "--feature",
+        "LAMP",
+    ]);
+    assert!(said.contains("bad.wesl:2"), "{said}");
+}
+
+#[test]
+fn a_file_by_itself() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "alone.wesl",
+        "fn unused() -> f32 { return 2.0; }\n@if(WIDE) const WIDTH: u32 = 7u;\n",
+    );
+    let alone = path_in(&folder, "alone.wesl");
+    let wgsl = link(&[&alone]);
+    assert!(wgsl.contains("unused") && !wgsl.contains("WIDTH"), "{wgsl}");
+    assert!(link(&[&alone, "--feature", "WIDE"]).contains("WIDTH"));
+}
+
+#[test]
+fn a_file_of_a_package_with_a_wesl_toml() {
+    let wgsl = link(&["shader_lib/passes/base.wesl"]);
+    assert!(
+        wgsl.contains("vs_base") && wgsl.contains("fs_base"),
+        "{wgsl}"
+    );
+}
+
+#[test]
+fn what_cannot_be_linked() {
+    let folder = faulty_package();
+    assert!(refusal(&["link", "gone.wesl"]).contains("gone.wesl"));
+    let (main, pkg) = (path_in(&folder, "pkg/main.wesl"), path_in(&folder, "pkg"));
+    let said = refusal(&[
+        "link",
+        &main,
+        "--package",
+        &pkg,
+        "--bind",
+        "package::interface::shadow=package::god",
+    ]);
+    assert!(said.contains("god"), "{said}");
+    write(&folder, "broken.wesl", "fn f( {}\n");
+    assert!(refusal(&["link", &path_in(&folder, "broken.wesl")]).contains("broken.wesl:1"));
+}

@@ -1,0 +1,131 @@
+use std::{collections::BTreeMap, fs, path::Path};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::{faulty_package, path_in, refusal, stderr, stdout, umbrage, write};
+
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    entries
+        .map(|entry| {
+            let path = entry.expect("an entry").path();
+            let name = path
+                .file_name()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned();
+            (name, fs::read(path).expect("a file"))
+        })
+        .collect()
+}
+
+fn prebuild(manifests: &[&str], out: &str) {
+    let mut args = vec!["prebuild"];
+    args.extend(manifests);
+    args.extend(["--out", out]);
+    let output = umbrage(&args);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stdout(&output), "");
+}
+
+#[test]
+fn each_permutation_once_and_the_same_bytes_twice() {
+    let folder = TempDir::new().expect("a folder");
+    let (first, second) = (path_in(&folder, "first"), path_in(&folder, "second"));
+    prebuild(&["permutations/demo.ron"], &first);
+    // A manifest given twice adds nothing.
+    prebuild(&["permutations/demo.ron", "permutations/demo.ron"], &second);
+    let files = contents(Path::new(&first));
+    assert!(
+        files == contents(Path::new(&second)),
+        "the two folders differ"
+    );
+
+    let index: Value = serde_json::from_slice(&files["index.json"]).expect("JSON");
+    let permutations = index["permutations"].as_u64().expect("a number") as usize;
+    assert_eq!(files.len(), 3 * permutations + 1);
+    for (key, entry) in index["keys"].as_object().expect("keys") {
+        let file = |kind: &str| &files[entry[kind].as_str().expect("a name")];
+        let wgsl = std::str::from_utf8(file("wgsl")).expect("UTF-8");
+        assert!(naga::front::wgsl::parse_str(wgsl).is_ok(), "{key}: {wgsl}");
+        assert_eq!(file("spv")[..4], 0x0723_0203_u32.to_le_bytes(), "{key}");
+        let reflection: Value = serde_json::from_slice(file("reflection")).expect("JSON");
+        assert!(
+            !reflection["entry_points"]
+                .as_array()
+                .expect("entry points")
+                .is_empty(),
+            "{key}"
+        );
+    }
+    let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").collect();
+    assert_eq!(left.len(), 2, "only the two folders are left: {left:?}");
+}
+
+#[test]
+fn an_earlier_prebuild_is_replaced_and_nothing_else_is() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "good.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }])"#,
+    );
+    let (manifest, out) = (path_in(&folder, "good.ron"), path_in(&folder, "out"));
+    prebuild(&[&manifest], &out);
+    write(&folder, "out/stale.wgsl", "");
+    prebuild(&[&manifest], &out);
+    assert_eq!(contents(Path::new(&out)).len(), 4);
+
+    let said = refusal(&["prebuild", &manifest, "--out", &path_in(&folder, "pkg")]);
+    assert!(said.contains("no prebuild"), "{said}");
+    assert!(folder.path().join("pkg/axes.ron").is_file());
+}
+
+#[test]
+fn a_fault_leaves_no_file() {
+    let folder = faulty_package();
+    let before = contents_of(&folder);
+    let out = path_in(&folder, "out");
+    let said = refusal(&["prebuild", &path_in(&folder, "all.ron"), "--out", &out]);
+    assert!(said.contains("bad.wesl:2"), "{said}");
+    write(
+        &folder,
+        "empty.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [])"#,
+    );
+    assert!(refusal(&["prebuild", &path_in(&folder, "empty.ron"), "--out", &out]).contains("key"));
+    fs::remove_file(folder.path().join("empty.ron")).expect("removed");
+    assert_eq!(contents_of(&folder), before);
+}
+
+fn contents_of(folder: &TempDir) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_folder_that_cannot_be_written() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "good.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }])"#,
+    );
+    write(&folder, "file", "");
+    for out in ["file", "file/below"] {
+        let out = path_in(&folder, out);
+        let said = refusal(&["prebuild", &path_in(&folder, "good.ron"), "--out", &out]);
+        assert!(said.contains(&out), "{said}");
+    }
+}

@@ -1,0 +1,140 @@
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::{json, path_in, refusal, root, stderr, stdout, umbrage, write};
+
+const SCENE: &str = "examples/scenes/bunny_sun.ron";
+
+#[test]
+fn a_scene_becomes_a_picture() {
+    let folder = TempDir::new().expect("a folder");
+    let (first, second) = (
+        path_in(&folder, "first.png"),
+        path_in(&folder, "second.png"),
+    );
+    let cache = path_in(&folder, "cache");
+    let render = |out: &str| {
+        let args = [
+            "render", SCENE, "--size", "80x45", "--out", out, "--cache", &cache, "--json",
+        ];
+        let output = umbrage(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        json(&output)
+    };
+    let report = render(&first);
+    assert_eq!(report["picture"], first.as_str());
+    assert!(!report["adapter"].as_str().expect("an adapter").is_empty());
+    assert!(report["milliseconds"].as_f64().expect("a time") > 0.0);
+    let count = |report: &serde_json::Value, name: &str| report["permutations"][name].as_u64();
+    let composed = count(&report, "composed");
+    assert!(composed > Some(0), "{report}");
+    assert_eq!(count(&report, "cached"), Some(0));
+
+    let report = render(&second);
+    assert_eq!(count(&report, "composed"), Some(0));
+    assert_eq!(count(&report, "cached"), composed);
+    let picture = image::open(&first).expect("a picture");
+    assert_eq!((picture.width(), picture.height()), (80, 45));
+    assert_eq!(
+        fs::read(&first).expect("bytes"),
+        fs::read(&second).expect("bytes")
+    );
+}
+
+#[test]
+fn what_and_method_change_the_picture() {
+    let folder = TempDir::new().expect("a folder");
+    let render = |name: &str, options: &[&str]| {
+        let out = path_in(&folder, name);
+        let mut args = vec!["render", SCENE, "--size", "80x45", "--out", &out];
+        args.extend(options);
+        let output = umbrage(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_eq!(stdout(&output), "");
+        image::open(&out)
+            .expect("a picture")
+            .into_luma8()
+            .into_raw()
+    };
+    let shaded = render("shaded.png", &[]);
+    assert_ne!(shaded, render("bare.png", &["--method", "none"]));
+    let term = render("term.png", &["--what", "shadow-term"]);
+    assert!(term.contains(&255) && term.contains(&0), "light and shadow");
+    let unshadowed = render("lit.png", &["--what", "shadow-term", "--method", "none"]);
+    assert!(unshadowed.iter().all(|term| *term == 255));
+}
+
+#[test]
+fn a_bare_model_is_a_scene() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "model.png");
+    let output = umbrage(&[
+        "render",
+        "examples/scenes/suzanne.glb",
+        "--size",
+        "64x64",
+        "--out",
+        &out,
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
+fn an_unknown_method() {
+    let folder = TempDir::new().expect("a folder");
+    let said = refusal(&[
+        "render",
+        SCENE,
+        "--method",
+        "basik",
+        "--out",
+        &path_in(&folder, "a.png"),
+    ]);
+    assert!(
+        said.contains("basik") && said.contains("did you mean `basic`"),
+        "{said}"
+    );
+    nothing_is_in(&folder);
+}
+
+#[test]
+fn scenes_that_cannot_be_loaded() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "a.png");
+    for scene in ["gone.ron", "gone.glb"] {
+        let said = refusal(&["render", scene, "--out", &out]);
+        assert!(said.contains(scene), "{said}");
+    }
+    nothing_is_in(&folder);
+    let model = fs::read(root().join("examples/scenes/suzanne.glb")).expect("a model");
+    let truncated = path_in(&folder, "truncated.glb");
+    fs::write(&truncated, &model[..model.len() / 2]).expect("a file");
+    assert!(refusal(&["render", &truncated, "--out", &out]).contains("truncated.glb"));
+    write(&folder, "half.ron", "(models: [");
+    assert!(
+        refusal(&["render", &path_in(&folder, "half.ron"), "--out", &out]).contains("half.ron:1")
+    );
+}
+
+#[test]
+fn places_that_cannot_be_written() {
+    let folder = TempDir::new().expect("a folder");
+    write(&folder, "file", "");
+    for out in ["gone/a.png", "file/a.png", "a.jpeg", "a"] {
+        let out = path_in(&folder, out);
+        let said = refusal(&["render", SCENE, "--out", &out]);
+        assert!(said.contains(&out), "{said}");
+    }
+    let cache = path_in(&folder, "file/cache");
+    let out = path_in(&folder, "a.png");
+    let said = refusal(&["render", SCENE, "--out", &out, "--cache", &cache]);
+    assert!(said.contains(&cache), "{said}");
+    let huge = refusal(&["render", SCENE, "--out", &out, "--size", "999999x1"]);
+    assert!(huge.contains("999999"), "{huge}");
+}
+
+fn nothing_is_in(folder: &TempDir) {
+    let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").collect();
+    assert!(left.is_empty(), "{left:?}");
+}
