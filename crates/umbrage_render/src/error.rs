@@ -68,6 +68,14 @@ pub enum RenderError {
         /// Why.
         reason: String,
     },
+    /// The scene's camera, a light or an object is described by numbers that cannot be drawn.
+    #[error("{what}: {source}; change it in the scene")]
+    Scene {
+        /// The camera, or which light or object.
+        what: String,
+        /// What is wrong.
+        source: PlanError,
+    },
     /// A method could not plan.
     #[error("light `{light}`: {source}")]
     Plan {

@@ -61,7 +61,7 @@ impl Gpu {
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
         let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .map_err(|error| GpuError::NoAdapter(error.to_string()))?;
+            .map_err(|error| GpuError::NoAdapter(about_vulkan(&error.to_string())))?;
         let name = adapter.get_info().name;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("umbrage"),
@@ -179,6 +179,15 @@ impl Gpu {
             view_formats: &[],
         }))
     }
+}
+
+/// What wgpu's account of all backends says of the one that was asked for.
+fn about_vulkan(account: &str) -> String {
+    let mut parts = account.split([';', ',']).map(str::trim);
+    parts
+        .find(|part| part.contains("vulkan"))
+        .unwrap_or(account)
+        .to_owned()
 }
 
 /// An error's text as one paragraph.

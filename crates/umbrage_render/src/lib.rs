@@ -15,6 +15,25 @@
 //!
 //! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
 //! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
+//!
+//! ```no_run
+//! use std::sync::Arc;
+//! use umbrage_compose::{Composer, Library, Target};
+//! use umbrage_render::{Gpu, RenderOptions, Renderer, Scene};
+//!
+//! let library = Library::new([umbrage_shader_lib::package()?])?;
+//! let composer = Arc::new(Composer::new(library, Target::default()));
+//! let methods = umbrage_methods::registry()?;
+//! let mut renderer = Renderer::new(Arc::new(Gpu::new()?), composer, methods);
+//!
+//! let scene = Scene::load("examples/scenes/bunny_sun.ron")?;
+//! let rendered = renderer.render(&scene, &RenderOptions::default())?;
+//! rendered.save_png("bunny.png")?;
+//! for used in &rendered.report.permutations {
+//!     println!("{} for {}: {:?}", used.key, used.object, used.source);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod error;
 mod gpu;

@@ -43,6 +43,9 @@ pub struct Report {
     pub draws: u32,
     /// Texels in the textures of shadow methods.
     pub texels: u64,
+    /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
+    /// that reach something.
+    pub fetches_per_pixel: u32,
     /// Wall-clock time from the scene to the pixels in memory; milliseconds.
     pub milliseconds: f64,
 }

@@ -74,6 +74,40 @@ fn what_a_scene_needs_is_composed_and_no_more() {
 }
 
 #[test]
+fn objects_that_look_alike_are_one_draw() {
+    let ball = |x: i32| format!("(shape: sphere(radius: 0.3), translation: ({x}, 0, 0)),");
+    let balls: String = (-3..=3).map(ball).collect();
+    let text = format!("(camera: (position: (0, 1, 9), target: (0, 0, 0)), models: [{balls}])");
+    let rendered = renderer(methods()).render(&scene(&text), &small(What::Shaded));
+    assert_eq!(rendered.expect("renders").report.draws, 1);
+}
+
+#[test]
+fn lights_of_one_name_keep_their_own_maps() {
+    let mut both = example("bunny_sun.ron");
+    let mut other = both.lights[0].clone();
+    let umbrage_shadow::LightKind::Directional { direction } = &mut other.light.kind else {
+        unreachable!("it has a sun")
+    };
+    direction.x = -direction.x;
+    both.lights.push(other.clone());
+    let mut alone = both.clone();
+    alone.lights = vec![other];
+    let mut renderer = renderer(methods());
+    let mut terms = |scene: &Scene| {
+        let rendered = renderer
+            .render(scene, &small(What::ShadowTerm))
+            .expect("renders");
+        let Picture::ShadowTerm(lights) = rendered.picture else {
+            unreachable!("a shadow term was asked for")
+        };
+        lights
+    };
+    assert_eq!(terms(&both)[1], terms(&alone)[0]);
+    assert_ne!(terms(&both)[0], terms(&both)[1]);
+}
+
+#[test]
 fn the_same_input_gives_the_same_pixels() {
     let scene = example("leaves.ron");
     for what in [What::Shaded, What::ShadowTerm] {
@@ -254,6 +288,12 @@ fn options_that_cannot_be_met_are_refused() {
     let mut scene = two_balls();
     scene.objects[1].mesh = mesh.into();
     assert!(refuse(&scene, &|_| ()).contains("its indices do not fit"));
+    let mut scene = two_balls();
+    scene.camera.position.x = f64::NAN;
+    assert!(refuse(&scene, &|_| ()).contains("the camera: the view's position"));
+    let mut scene = two_balls();
+    scene.objects[1].bounds.min.x = f64::INFINITY;
+    assert!(refuse(&scene, &|_| ()).contains("object `shiny`: its box"));
     // What went wrong leaves the renderer as good as new.
     assert!(renderer.render(&good, &small(What::Shaded)).is_ok());
 }

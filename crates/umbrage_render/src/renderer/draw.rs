@@ -16,7 +16,7 @@ use super::{
     lights::{self, LightSetup},
     objects::{Objects, Run},
     pipelines::{DrawState, Pipeline},
-    shadows::ShadowResources,
+    shadows::{ShadowResources, TextureId},
 };
 use crate::{
     PermutationUse, RenderError, Report, pack,
@@ -29,6 +29,8 @@ pub(super) struct FrameState<'a> {
     pub(super) objects: Objects<'a>,
     pub(super) encoder: wgpu::CommandEncoder,
     pub(super) report: Report,
+    /// The shadow methods' textures that this frame uses.
+    pub(super) shadow_maps: BTreeSet<TextureId>,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
@@ -76,6 +78,7 @@ impl<'a> FrameState<'a> {
             objects,
             encoder,
             report: Report::default(),
+            shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
             instances: Vec::new(),
         }

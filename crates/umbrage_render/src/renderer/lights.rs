@@ -17,6 +17,8 @@ use crate::{
 /// A light with its method, both checked.
 pub(super) struct LightSetup<'a> {
     pub(super) source: &'a SceneLight,
+    /// Its number in the scene.
+    pub(super) index: usize,
     pub(super) method: Option<MethodSetup<'a>>,
 }
 
@@ -51,7 +53,14 @@ pub(super) fn set_up<'a>(
     }
     let none = Shadow::default();
     let mut setups = Vec::new();
-    for source in &scene.lights {
+    for (index, source) in scene.lights.iter().enumerate() {
+        source
+            .light
+            .validate()
+            .map_err(|fault| RenderError::Scene {
+                what: format!("light `{}`", source.name),
+                source: fault,
+            })?;
         let chosen = match (&options.method, &source.shadow) {
             (Some(method), _) if method == "none" => None,
             // What a scene chooses for one method means nothing to another.
@@ -69,7 +78,11 @@ pub(super) fn set_up<'a>(
             )?),
             None => None,
         };
-        setups.push(LightSetup { source, method });
+        setups.push(LightSetup {
+            source,
+            index,
+            method,
+        });
     }
     Ok(setups)
 }

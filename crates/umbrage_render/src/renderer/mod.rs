@@ -16,7 +16,7 @@ use std::{
 
 use glam::{Mat4, Vec3};
 use umbrage_compose::{Composer, Key};
-use umbrage_shadow::{Registry, TextureDesc, View};
+use umbrage_shadow::{Aabb, PlanError, Registry, TextureDesc, View};
 
 use self::{
     assets::Assets,
@@ -149,9 +149,10 @@ impl Renderer {
         let library = self.composer.library();
         let lights = lights::set_up(scene, options, &registry, library)?;
         let view = scene.camera.view(options.width, options.height);
+        check(scene, &view)?;
         let objects = Objects::new(scene, view.position);
         let frustum = view.frustum_relative();
-        let near = |bounds: umbrage_shadow::Aabb| bounds.translate(-view.position);
+        let near = |bounds: Aabb| bounds.translate(-view.position);
         let visible = objects
             .iter()
             .filter(|(_, object)| frustum.intersects(&near(object.bounds)))
@@ -171,6 +172,8 @@ impl Renderer {
             What::Shaded => self.shaded(&mut frame, &shot)?,
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
         };
+        self.shadow_maps
+            .retain(|id, _| frame.shadow_maps.contains(id));
         Ok(Rendered {
             width: options.width,
             height: options.height,
@@ -310,6 +313,28 @@ impl Renderer {
         self.gpu.queue.submit([encoder.finish()]);
         Ok(target.read(&self.gpu)?)
     }
+}
+
+/// Checks the camera and the objects of a scene, which may have been made by hand.
+fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
+    view.validate().map_err(|source| RenderError::Scene {
+        what: "the camera".to_owned(),
+        source,
+    })?;
+    for object in &scene.objects {
+        let Aabb { min, max } = object.bounds;
+        PlanError::check(
+            object.bounds.is_finite() && object.transform.is_finite(),
+            "its box",
+            format!("{min} to {max}"),
+            "finite, as its transform must be",
+        )
+        .map_err(|source| RenderError::Scene {
+            what: format!("object `{}`", object.name),
+            source,
+        })?;
+    }
+    Ok(())
 }
 
 /// The slots of what may be seen and is reached by `light`.

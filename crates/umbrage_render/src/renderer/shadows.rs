@@ -23,8 +23,8 @@ pub(super) struct ShadowResources {
     pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
 }
 
-/// A texture kept from frame to frame: which, by light, method and name.
-pub(super) type TextureId = (String, String, String);
+/// A texture kept from frame to frame: which, by the light's number, the method and the name.
+pub(super) type TextureId = (usize, String, String);
 
 impl Renderer {
     /// Draws the shadow maps of a light for the objects at `receivers`.
@@ -48,7 +48,8 @@ impl Renderer {
             }
         }
         let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
-        let textures = self.textures(light, setup, &plan)?;
+        let textures = self.textures(frame, light, setup, &plan)?;
+        frame.report.fetches_per_pixel += plan.fetches_per_pixel;
         for pass in &plan.passes {
             match pass {
                 Pass::Casters(pass) => {
@@ -92,6 +93,7 @@ impl Renderer {
     /// The plan's textures by name, kept from the last frame where they are the same.
     fn textures(
         &mut self,
+        frame: &mut FrameState<'_>,
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
         plan: &ShadowPlan,
@@ -99,11 +101,8 @@ impl Renderer {
         let method = setup.method.name();
         let mut textures = BTreeMap::new();
         for desc in &plan.textures {
-            let id = (
-                light.source.name.clone(),
-                method.to_owned(),
-                desc.name.clone(),
-            );
+            let id = (light.index, method.to_owned(), desc.name.clone());
+            frame.shadow_maps.insert(id.clone());
             let known = self.shadow_maps.get(&id).filter(|(known, _)| known == desc);
             let texture = match known {
                 Some((_, texture)) => texture.clone(),

@@ -136,6 +136,9 @@ pub(super) struct Loader<'a> {
     path: &'a Path,
     models: BTreeMap<PathBuf, Vec<Part>>,
     images: BTreeMap<PathBuf, Arc<Image>>,
+    /// Each once, so that models which look alike are drawn as instances.
+    meshes: Vec<Arc<Mesh>>,
+    materials: Vec<Arc<Material>>,
 }
 
 /// Loads the scene file at `path`.
@@ -173,6 +176,8 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         path,
         models: BTreeMap::new(),
         images: BTreeMap::new(),
+        meshes: Vec::new(),
+        materials: Vec::new(),
     };
     let camera = loader.camera(&file.camera)?;
     let ambient = loader.color("ambient", file.ambient)?;
@@ -345,20 +350,10 @@ impl Loader<'_> {
             None => DQuat::IDENTITY,
         };
         let model = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-        let mut materials: Vec<(Arc<Material>, Arc<Material>)> = Vec::new();
         let mut objects = Vec::new();
         for part in parts {
-            let known = materials
-                .iter()
-                .find(|(from, _)| Arc::ptr_eq(from, &part.material));
-            let material = match known {
-                Some((_, material)) => Arc::clone(material),
-                None => {
-                    let material = Arc::new(self.material(&part.material, &file, place)?);
-                    materials.push((part.material, Arc::clone(&material)));
-                    material
-                }
-            };
+            let material = self.material(&part.material, &file, place)?;
+            let material = share(&mut self.materials, material);
             let name = file.name.clone().unwrap_or(part.name);
             let object = Object::place(name, part.mesh, material, model * part.transform)
                 .map_err(|problem| self.invalid(place, problem, "change its transform"))?;
@@ -377,7 +372,7 @@ impl Loader<'_> {
         Ok(parts)
     }
 
-    fn shape(&self, shape: &ShapeFile, place: &str) -> Result<Part, SceneError> {
+    fn shape(&mut self, shape: &ShapeFile, place: &str) -> Result<Part, SceneError> {
         let positive = |name: &str, value: f32| {
             self.number(
                 format!("{place}.shape.{name}"),
@@ -417,7 +412,7 @@ impl Loader<'_> {
         };
         Ok(Part {
             name: name.to_owned(),
-            mesh: Arc::new(mesh),
+            mesh: share(&mut self.meshes, mesh),
             material: Arc::new(Material::plain("lambert")),
             transform: DAffine3::IDENTITY,
         })
@@ -458,6 +453,16 @@ impl Loader<'_> {
         })?;
         Ok(material)
     }
+}
+
+/// `value` as one of `known`, which it joins where it is new.
+fn share<T: PartialEq>(known: &mut Vec<Arc<T>>, value: T) -> Arc<T> {
+    if let Some(same) = known.iter().find(|known| ***known == value) {
+        return Arc::clone(same);
+    }
+    let value = Arc::new(value);
+    known.push(Arc::clone(&value));
+    value
 }
 
 /// The rotation that turns −z to `direction` with +y as far up as can be; none for no direction.

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use tempfile::TempDir;
 use umbrage_shadow::LightKind;
 
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, Wrap};
 
 /// Three floats a vertex: a triangle in the plane z = 0, facing +z; then four indices of each width.
 fn triangle_bytes() -> Vec<u8> {
@@ -121,6 +121,60 @@ fn nodes_pass_their_transforms_down_to_instances() {
     ));
     assert_eq!(scene.objects[0].bounds.min, DVec3::new(10.0, 2.0, 0.0));
     assert_eq!(scene.objects[1].bounds.min, DVec3::new(8.0, 0.0, 0.0));
+}
+
+#[test]
+fn materials_keep_their_textures_and_cut_offs() {
+    // One red texel, half transparent.
+    let texel = image::RgbaImage::from_pixel(1, 1, image::Rgba([255, 0, 0, 128]));
+    let mut png = std::io::Cursor::new(Vec::new());
+    texel
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("encoded");
+    let mut bytes = triangle_bytes();
+    let length = png.get_ref().len();
+    bytes.extend(png.into_inner());
+    let view = format!(
+        r#""bufferViews": [
+            {{"buffer": 0, "byteOffset": 64, "byteLength": {length}}},"#
+    );
+    let total = format!("\"byteLength\": {}", bytes.len());
+    let changes = [
+        ("\"byteLength\": 64", total.as_str()),
+        ("\"bufferViews\": [", view.as_str()),
+        ("\"bufferView\": 1,", "\"bufferView\": 2,"),
+        ("\"bufferView\": 0,", "\"bufferView\": 1,"),
+        ("\"indices\": 1", "\"indices\": 1, \"material\": 0"),
+        (
+            "\"scene\": 0",
+            r#""scene": 0, "images": [{"bufferView": 0, "mimeType": "image/png"}],
+            "samplers": [{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}],
+            "textures": [{"source": 0, "sampler": 0}],
+            "materials": [{"alphaMode": "MASK", "alphaCutoff": 0.25, "pbrMetallicRoughness":
+                {"baseColorTexture": {"index": 0}, "roughnessFactor": 0.5, "metallicFactor": 0}}]"#,
+        ),
+    ];
+    let scene = load_model(&changes, &bytes).expect("loads");
+    let material = &scene.objects[0].material;
+    assert_eq!(
+        (material.alpha_cutoff, material.roughness),
+        (Some(0.25), 0.5)
+    );
+    let texture = material.base_color_texture.as_ref().expect("a texture");
+    assert_eq!(texture.image.levels[0].rgba, [[255, 0, 0, 128]]);
+    assert_eq!(
+        (texture.wrap, texture.smooth),
+        ([Wrap::Clamp, Wrap::Mirror], false)
+    );
+
+    let broken = refuse(load_model(&changes, &bytes[..bytes.len() - 20]));
+    assert!(broken.contains("buffers[0]"), "{broken}");
+    bytes[64..72].fill(0);
+    let broken = refuse(load_model(&changes, &bytes));
+    assert!(
+        broken.contains("images[0]: the picture cannot be decoded"),
+        "{broken}"
+    );
 }
 
 #[test]
