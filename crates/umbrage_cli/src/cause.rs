@@ -10,51 +10,55 @@ pub(crate) struct Checked<'a> {
     pub(crate) faulty: bool,
 }
 
-/// A set of axes with their values, and the subjects that have them all.
-#[derive(Clone)]
-struct Choice {
-    axes: Vec<usize>,
-    values: Vec<usize>,
-    has: Vec<bool>,
-}
+/// Axes with their values, both as numbers; the axes ascend.
+type Choice = Vec<(usize, usize)>;
+
+/// A set of subjects, 64 to a word.
+type Subjects = Vec<u64>;
 
 /// The smallest choice of axes that triggers a fault, among what was checked: the fewest axes with such
 /// values that whatever has these values has the fault. Where no one choice covers all faulty subjects,
 /// several, joined by “or”; where everything is faulty, `always`.
 pub(crate) fn smallest_cause(checked: &[Checked<'_>]) -> String {
-    if checked.iter().all(|subject| subject.faulty) {
+    let mut uncovered = subjects(checked.iter().map(|subject| subject.faulty));
+    let clean = subjects(checked.iter().map(|subject| !subject.faulty));
+    if is_empty(&clean) {
         return "always".to_owned();
     }
     let axes = distinguishing_axes(checked);
-    let mut uncovered: Vec<bool> = checked.iter().map(|subject| subject.faulty).collect();
     let mut causes = Vec::new();
-    let mut level = vec![Choice {
-        axes: Vec::new(),
-        values: Vec::new(),
-        has: vec![true; checked.len()],
-    }];
-    // Level by level: choices of one axis, of two, ... A choice that triggers the fault is not refined.
-    while uncovered.contains(&true) && !level.is_empty() {
+    let mut level = vec![Choice::new()];
+    // Level by level: choices of one axis, of two, ... What triggers the fault, or has nothing to do
+    // with it, is not refined.
+    while !is_empty(&uncovered) && !level.is_empty() {
         let mut sufficient = Vec::new();
         let mut undecided = Vec::new();
-        for choice in refined(&level, &axes) {
-            let meets = |faulty| {
-                checked
-                    .iter()
-                    .zip(&choice.has)
-                    .any(|(subject, has)| *has && subject.faulty == faulty)
+        for choice in level.iter().flat_map(|choice| refined(choice, &axes)) {
+            let has = having(&choice, &axes, checked.len());
+            if count_both(&has, &uncovered) == 0 {
+                continue;
+            }
+            let list = if count_both(&has, &clean) == 0 {
+                &mut sufficient
+            } else {
+                &mut undecided
             };
-            match (meets(true), meets(false)) {
-                (true, false) => sufficient.push(choice),
-                (true, true) => undecided.push(choice),
-                (false, _) => {}
-            }
+            list.push(choice);
         }
-        while let Some(best) = widest(&sufficient, &uncovered) {
-            for (uncovered, has) in uncovered.iter_mut().zip(&best.has) {
-                *uncovered &= !has;
-            }
+        loop {
+            let covers =
+                |choice: &Choice| count_both(&having(choice, &axes, checked.len()), &uncovered);
+            // Of equals the first, which `max_by_key` would pass over.
+            let best = sufficient.iter().rev().max_by_key(|choice| covers(choice));
+            let Some(best) = best.filter(|choice| covers(choice) > 0) else {
+                break;
+            };
             causes.push(described(best, &axes));
+            let has = having(best, &axes, checked.len());
+            uncovered
+                .iter_mut()
+                .zip(has)
+                .for_each(|(uncovered, has)| *uncovered &= !has);
         }
         level = undecided;
     }
@@ -64,7 +68,7 @@ pub(crate) fn smallest_cause(checked: &[Checked<'_>]) -> String {
 /// An axis, and its values with the subjects that have each.
 struct Axis {
     name: String,
-    values: Vec<(String, Vec<bool>)>,
+    values: Vec<(String, Subjects)>,
 }
 
 /// The axes that differ between subjects: no other can be part of a smallest choice.
@@ -76,10 +80,11 @@ fn distinguishing_axes(checked: &[Checked<'_>]) -> Vec<Axis> {
         }
     }
     let has = |axis: &str, value: &str| {
-        checked
-            .iter()
-            .map(|subject| subject.values.get(axis).is_some_and(|v| v == value))
-            .collect()
+        subjects(
+            checked
+                .iter()
+                .map(|subject| subject.values.get(axis).is_some_and(|v| v == value)),
+        )
     };
     values
         .into_iter()
@@ -99,58 +104,57 @@ fn distinguishing_axes(checked: &[Checked<'_>]) -> Vec<Axis> {
         .collect()
 }
 
-/// Each choice of `level` with one more axis, after its last.
-fn refined(level: &[Choice], axes: &[Axis]) -> Vec<Choice> {
+/// `choice` with one more axis, after its last.
+fn refined(choice: &Choice, axes: &[Axis]) -> Vec<Choice> {
+    let first = choice.last().map_or(0, |(axis, _)| axis + 1);
     let mut refined = Vec::new();
-    for choice in level {
-        let first = choice.axes.last().map_or(0, |last| last + 1);
-        for (axis_index, axis) in axes.iter().enumerate().skip(first) {
-            for (value_index, (_, has)) in axis.values.iter().enumerate() {
-                let mut longer = choice.clone();
-                longer.axes.push(axis_index);
-                longer.values.push(value_index);
-                longer
-                    .has
-                    .iter_mut()
-                    .zip(has)
-                    .for_each(|(both, has)| *both &= has);
-                refined.push(longer);
-            }
+    for (axis_index, axis) in axes.iter().enumerate().skip(first) {
+        for value_index in 0..axis.values.len() {
+            let mut longer = choice.clone();
+            longer.push((axis_index, value_index));
+            refined.push(longer);
         }
     }
     refined
 }
 
-/// The choice that most of `uncovered` have; of equals, the first.
-fn widest<'a>(choices: &'a [Choice], uncovered: &[bool]) -> Option<&'a Choice> {
-    let covers = |choice: &Choice| {
-        choice
-            .has
-            .iter()
-            .zip(uncovered)
-            .filter(|(has, uncovered)| **has && **uncovered)
-            .count()
-    };
-    let mut best = None;
-    let mut most = 0;
-    for choice in choices {
-        let covered = covers(choice);
-        if covered > most {
-            most = covered;
-            best = Some(choice);
+/// The subjects, of `count`, that have all of `choice`.
+fn having(choice: &Choice, axes: &[Axis], count: usize) -> Subjects {
+    let mut all = vec![u64::MAX; count.div_ceil(64)];
+    for (axis, value) in choice {
+        all.iter_mut()
+            .zip(&axes[*axis].values[*value].1)
+            .for_each(|(all, has)| *all &= has);
+    }
+    all
+}
+
+fn subjects(members: impl Iterator<Item = bool>) -> Subjects {
+    let mut subjects = Subjects::new();
+    for (index, member) in members.enumerate() {
+        if index % 64 == 0 {
+            subjects.push(0);
+        }
+        if member {
+            subjects[index / 64] |= 1 << (index % 64);
         }
     }
-    best
+    subjects
+}
+
+fn is_empty(subjects: &Subjects) -> bool {
+    subjects.iter().all(|word| *word == 0)
+}
+
+fn count_both(a: &Subjects, b: &Subjects) -> u32 {
+    a.iter().zip(b).map(|(a, b)| (a & b).count_ones()).sum()
 }
 
 fn described(choice: &Choice, axes: &[Axis]) -> String {
-    let parts: Vec<_> = choice
-        .axes
-        .iter()
-        .zip(&choice.values)
-        .map(|(axis, value)| format!("{}={}", axes[*axis].name, axes[*axis].values[*value].0))
-        .collect();
-    parts.join(", ")
+    let part = |(axis, value): &(usize, usize)| {
+        format!("{}={}", axes[*axis].name, axes[*axis].values[*value].0)
+    };
+    choice.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::Path,
+    path::{Path, PathBuf},
     process::ExitCode,
 };
 
@@ -61,12 +61,13 @@ struct Findings {
 
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
     let mut findings = Findings::default();
+    let several = args.manifests.len() > 1;
     for path in &args.manifests {
         match Manifest::load(path) {
             Ok(manifest) => {
                 let target = target(args.target.as_deref().unwrap_or(manifest.target()))
                     .with_context(|| format!("{} cannot be checked", path.display()))?;
-                findings.examine(&manifest, target);
+                findings.examine(&manifest, target, several.then_some(path));
             }
             Err(error) => findings.refuse(error, path)?,
         }
@@ -93,8 +94,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
 }
 
 impl Findings {
-    /// Validates each permutation of `manifest` once.
-    fn examine(&mut self, manifest: &Manifest, target: Target) {
+    /// Validates each permutation of `manifest` once. Where there are several manifests, `origin` tells
+    /// their keys apart, which may be equal without meaning the same.
+    fn examine(&mut self, manifest: &Manifest, target: Target, origin: Option<&PathBuf>) {
         let composer = Composer::new(manifest.library().clone(), target);
         let permutations = Permutations::of(&composer, manifest.keys());
         self.permutations += permutations.keys.len();
@@ -118,7 +120,10 @@ impl Findings {
         for (keys, error) in outcomes.into_iter().chain(faulty) {
             let first = self.subjects.len();
             for key in keys {
-                let values = values(manifest.library(), &key);
+                let mut values = values(manifest.library(), &key);
+                if let Some(path) = origin {
+                    values.insert("the manifest".to_owned(), path.display().to_string());
+                }
                 self.subjects.push((key, values));
             }
             let subjects = first..self.subjects.len();

@@ -123,6 +123,24 @@ fn several_manifests_are_one_report() {
     let report = json(&output);
     assert_eq!(report["faults"].as_array().expect("faults").len(), 1);
     assert_eq!(report["failed"], 4);
+    assert_eq!(report["faults"][0]["cause"], "light=lamp, method=bad");
+}
+
+#[test]
+fn equal_keys_of_several_manifests_may_differ() {
+    let (folder, other) = (faulty_package(), faulty_package());
+    write(
+        &other,
+        "pkg/bad.wesl",
+        "fn calc_shadow(position: vec3f) -> f32 { return 0.5; }\n",
+    );
+    let (faulty, good) = (path_in(&folder, "all.ron"), path_in(&other, "all.ron"));
+    let report = json(&umbrage(&["check", &faulty, &good, "--json"]));
+    let cause = report["faults"][0]["cause"].as_str().expect("a cause");
+    assert_eq!(
+        cause,
+        format!("light=lamp, method=bad, the manifest={faulty}")
+    );
 }
 
 #[test]
