@@ -5,7 +5,7 @@ mod common;
 use common::{color, example, methods, renderer, scene, small};
 use glam::DVec3;
 use umbrage_compose::Source;
-use umbrage_render::{Picture, RenderOptions, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
 use umbrage_shadow::{
     CasterPass, Constants, DepthTest, Frame, Light, Pass, PlanError, Registry, Setting,
     ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
@@ -71,6 +71,12 @@ fn what_a_scene_needs_is_composed_and_no_more() {
             .all(|used| used.source == Source::Memory)
     );
     assert_eq!(again.picture, first.picture);
+}
+
+#[test]
+fn renderers_may_change_threads() {
+    fn assert_send<T: Send>() {}
+    assert_send::<Renderer>();
 }
 
 #[test]

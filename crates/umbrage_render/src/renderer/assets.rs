@@ -28,8 +28,8 @@ impl GpuMesh {
 /// address from being given to another, and the source from being changed in place.
 #[derive(Default)]
 pub(super) struct Assets {
-    meshes: HashMap<*const Mesh, (Weak<Mesh>, Arc<GpuMesh>)>,
-    images: HashMap<*const Image, (Weak<Image>, wgpu::TextureView)>,
+    meshes: HashMap<usize, (Weak<Mesh>, Arc<GpuMesh>)>,
+    images: HashMap<usize, (Weak<Image>, wgpu::TextureView)>,
 }
 
 impl Assets {
@@ -43,12 +43,12 @@ impl Assets {
 
     pub(super) fn mesh(&mut self, gpu: &Gpu, object: &Object) -> Result<Arc<GpuMesh>, RenderError> {
         let source = &object.mesh;
-        if let Some((_, mesh)) = self.meshes.get(&Arc::as_ptr(source)) {
+        if let Some((_, mesh)) = self.meshes.get(&address(source)) {
             return Ok(Arc::clone(mesh));
         }
         let mesh = Arc::new(upload_mesh(gpu, object)?);
         let entry = (Arc::downgrade(source), Arc::clone(&mesh));
-        self.meshes.insert(Arc::as_ptr(source), entry);
+        self.meshes.insert(address(source), entry);
         Ok(mesh)
     }
 
@@ -58,14 +58,19 @@ impl Assets {
         what: &str,
         source: &Arc<Image>,
     ) -> Result<wgpu::TextureView, RenderError> {
-        if let Some((_, view)) = self.images.get(&Arc::as_ptr(source)) {
+        if let Some((_, view)) = self.images.get(&address(source)) {
             return Ok(view.clone());
         }
         let view = upload_image(gpu, what, source)?;
         let entry = (Arc::downgrade(source), view.clone());
-        self.images.insert(Arc::as_ptr(source), entry);
+        self.images.insert(address(source), entry);
         Ok(view)
     }
+}
+
+/// A number, as a pointer would keep a renderer on one thread.
+fn address<T>(source: &Arc<T>) -> usize {
+    Arc::as_ptr(source).addr()
 }
 
 fn upload_mesh(gpu: &Gpu, object: &Object) -> Result<GpuMesh, RenderError> {
