@@ -1,1 +1,8 @@
-//! Shared by the tests.
+//! What the tests of every permutation share: a scene that a key chooses, and an oracle for its shadow
+//! term that uses nothing of the GPU.
+
+mod oracle;
+mod stage;
+
+pub use oracle::{Oracle, Pixel};
+pub use stage::{Stage, stage};

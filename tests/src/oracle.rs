@@ -1,0 +1,251 @@
+//! The shadow term of a stage on the CPU: rays from the camera find the receivers, rays through the
+//! middle of each texel find what the map holds, and `basic`'s twin filters it. Nothing of the GPU is
+//! used, so that a fault on either side shows.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap};
+
+use glam::{DMat4, DVec2, DVec3, Vec2};
+use umbrage::{
+    methods::basic_twin::BasicTwin,
+    shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
+};
+
+use crate::Stage;
+
+/// How far a rasteriser may move a triangle's corner to its own grid, in texels: Vulkan asks for a
+/// grid of a 16th at the least, and most have a 256th, which rounding and division make about this.
+const SNAP: f64 = 1.0 / 128.0;
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pixel {
+    /// Nothing.
+    Background,
+    /// A point whose shadow term lies between these: they differ where a texel's middle is so near to
+    /// a caster's edge that a rasteriser may draw it or not.
+    Term(f64, f64),
+    /// A point so near to an edge of a triangle, or of a hole, that a rasteriser may see another.
+    Edge,
+}
+
+/// The stage's triangles and its light's plan.
+pub struct Oracle<'a> {
+    stage: &'a Stage,
+    view: View,
+    triangles: Vec<Triangle>,
+    plan: ShadowPlan,
+    twin: Option<BasicTwin>,
+    /// The map's texels that were asked for, by layer, column and row.
+    texels: RefCell<HashMap<(u32, u32, u32), (f32, f32)>>,
+}
+
+struct Triangle {
+    corners: [DVec3; 3],
+    uvs: [Vec2; 3],
+    object: usize,
+}
+
+struct Hit {
+    distance: f64,
+    triangle: usize,
+    /// How near the hit is to the triangle's edge or a hole's, as a share of the triangle.
+    margin: f64,
+}
+
+impl<'a> Oracle<'a> {
+    /// An oracle for a picture of `width` × `height` pixels. None where the light has a method other
+    /// than `basic`.
+    pub fn new(stage: &'a Stage, registry: &Registry, width: u32, height: u32) -> Option<Self> {
+        let scene = &stage.scene;
+        let mut triangles = Vec::new();
+        for (object, instance) in scene.objects.iter().enumerate() {
+            let mesh = &instance.mesh;
+            for indices in mesh.indices.chunks_exact(3) {
+                let corner = |i: usize| {
+                    instance
+                        .transform
+                        .transform_point3(mesh.positions[indices[i] as usize].as_dvec3())
+                };
+                let uv = |i: usize| mesh.uvs[indices[i] as usize];
+                triangles.push(Triangle {
+                    corners: [corner(0), corner(1), corner(2)],
+                    uvs: [uv(0), uv(1), uv(2)],
+                    object,
+                });
+            }
+        }
+        let view = scene.camera.view(width, height);
+        let light = &scene.lights.first()?;
+        let (plan, twin) = match &light.shadow {
+            None => (ShadowPlan::default(), None),
+            Some(shadow) => {
+                let method = registry.get(&shadow.method).ok()?;
+                let chosen = shadow
+                    .settings
+                    .iter()
+                    .map(|(name, value)| (name.as_str(), *value));
+                let settings = Settings::check(method.settings(), chosen).ok()?;
+                let bounds: Vec<_> = scene.objects.iter().map(|object| object.bounds).collect();
+                let frustum = view.frustum();
+                let receivers: Vec<_> = bounds
+                    .iter()
+                    .copied()
+                    .filter(|bounds| frustum.intersects(bounds) && light.light.reaches(bounds))
+                    .collect();
+                let axes: BTreeMap<_, _> = shadow.axes.clone();
+                let plan = method
+                    .plan(&Frame {
+                        view: &view,
+                        light: &light.light,
+                        casters: Casters {
+                            casters: &bounds,
+                            receivers: &receivers,
+                        },
+                        settings: &settings,
+                        axes: &axes,
+                    })
+                    .ok()?;
+                let width = axes.get("pcf")?.parse().ok()?;
+                let plane = axes.get("receiver_bias")? == "plane";
+                let twin = BasicTwin::new(&plan, width, plane)?;
+                (plan, Some(twin))
+            }
+        };
+        Some(Self {
+            stage,
+            view,
+            triangles,
+            plan,
+            twin,
+            texels: RefCell::default(),
+        })
+    }
+
+    /// What the pixel in column `x` and row `y` of `width` × `height` sees.
+    pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32) -> Pixel {
+        let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
+        let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
+        let (start, direction) = ray(self.view.view_proj_relative(), ndc);
+        let eye = self.view.position;
+        let Some(hit) = self.cast(eye + start, direction) else {
+            return Pixel::Background;
+        };
+        if hit.margin < 0.02 {
+            return Pixel::Edge;
+        }
+        let Some(twin) = &self.twin else {
+            return Pixel::Term(1.0, 1.0);
+        };
+        let position = start + direction * hit.distance;
+        let [a, b, c] = self.triangles[hit.triangle].corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let dark = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).1);
+        let lit = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).0);
+        Pixel::Term(dark, lit)
+    }
+
+    /// The least and the greatest depth that a texel of the shadow map may hold.
+    fn texel(&self, layer: u32, x: u32, y: u32) -> (f32, f32) {
+        if let Some(known) = self.texels.borrow().get(&(layer, x, y)) {
+            return *known;
+        }
+        let places = [
+            (0.0, 0.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (1.0, -1.0),
+            (-1.0, -1.0),
+        ];
+        let depths = places.map(|(across, down)| {
+            let place = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+            self.depth(layer, place + DVec2::new(across, down) * SNAP)
+        });
+        let range = (
+            depths.into_iter().fold(1.0, f32::min),
+            depths.into_iter().fold(0.0, f32::max),
+        );
+        self.texels.borrow_mut().insert((layer, x, y), range);
+        range
+    }
+
+    /// The depth at a place in the shadow map, in texels.
+    fn depth(&self, layer: u32, place: DVec2) -> f32 {
+        let size = self
+            .plan
+            .textures
+            .first()
+            .map_or(1, |texture| texture.width);
+        let pass = self.plan.passes.iter().find_map(|pass| match pass {
+            Pass::Casters(pass) if pass.layer == layer => Some(pass),
+            _ => None,
+        });
+        // A layer that nothing is drawn into holds what it is cleared to: far.
+        let Some(pass) = pass else { return 0.0 };
+        let at = place / f64::from(size);
+        let matrix = pass.view_proj.as_dmat4();
+        let (start, direction) = ray(matrix, DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y));
+        let hit = self.cast(self.view.position + start, direction);
+        let depth = hit.map(|hit| matrix.project_point3(start + direction * hit.distance).z);
+        depth
+            .filter(|depth| (0.0..=1.0).contains(depth))
+            .unwrap_or(0.0) as f32
+    }
+
+    /// The first solid hit on the ray's way.
+    fn cast(&self, start: DVec3, direction: DVec3) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            let [a, b, c] = triangle.corners;
+            // Möller and Trumbore 1997.
+            let (ab, ac) = (b - a, c - a);
+            let across = direction.cross(ac);
+            let volume = ab.dot(across);
+            let offset = (start - a) / volume;
+            let u = offset.dot(across);
+            let turned = offset.cross(ab);
+            let (v, distance) = (direction.dot(turned), ac.dot(turned));
+            let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+            if !inside || nearest.as_ref().is_some_and(|hit| hit.distance <= distance) {
+                continue;
+            }
+            let [ta, tb, tc] = triangle.uvs;
+            let uv = ta * (1.0 - u - v) as f32 + tb * u as f32 + tc * v as f32;
+            let mut margin = u.min(v).min(1.0 - u - v);
+            if triangle.object == self.stage.screen {
+                let step = Vec2::splat(0.01);
+                let around = [
+                    uv + step,
+                    uv - step,
+                    uv + step * Vec2::new(1.0, -1.0),
+                    uv - step * Vec2::new(1.0, -1.0),
+                ];
+                let solid = (self.stage.solid)(uv.clamp(Vec2::ZERO, Vec2::splat(0.999)));
+                if around.iter().any(|near| {
+                    (self.stage.solid)(near.clamp(Vec2::ZERO, Vec2::splat(0.999))) != solid
+                }) {
+                    margin = 0.0;
+                }
+                if !solid {
+                    continue;
+                }
+            }
+            nearest = Some(Hit {
+                distance,
+                triangle: index,
+                margin,
+            });
+        }
+        nearest
+    }
+}
+
+/// The ray through `ndc`: where it starts (depth 1, the near plane) and its unit direction, in the
+/// space that `matrix` takes to clip space.
+fn ray(matrix: DMat4, ndc: DVec2) -> (DVec3, DVec3) {
+    let inverse = matrix.inverse();
+    let near = inverse.project_point3(ndc.extend(1.0));
+    // Depth 0 may be infinitely far; halfway in depth is somewhere beyond the near plane.
+    let beyond = inverse.project_point3(ndc.extend(0.5));
+    (near, (beyond - near).normalize())
+}

@@ -1,0 +1,239 @@
+//! Every key of every manifest is composed, validated and drawn, and its shadow term compared with an
+//! oracle that shares nothing with the GPU.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use rayon::prelude::*;
+use umbrage::{
+    compose::{Composer, Key, Library, Manifest, Target},
+    render::{Gpu, Picture, RenderOptions, Rendered, Renderer, What},
+};
+use umbrage_tests::{Oracle, Pixel, Stage, stage};
+
+const SIZE: u32 = 40;
+/// Texels along a shadow map: coarse, so that filters are as wide as shadows.
+const RESOLUTION: u32 = 96;
+
+fn manifests() -> Vec<PathBuf> {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../permutations");
+    let mut paths: Vec<_> = fs::read_dir(dir)
+        .expect("the manifests' folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
+        .collect();
+    paths.sort();
+    assert!(!paths.is_empty(), "no manifest: nothing would be tested");
+    paths
+}
+
+/// The keys of all manifests, one for each distinct permutation.
+fn permutations(composer: &Composer) -> Vec<Key> {
+    let mut distinct = BTreeMap::new();
+    for path in manifests() {
+        let manifest = Manifest::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        for key in manifest.keys() {
+            let projected = composer
+                .project(key)
+                .unwrap_or_else(|error| panic!("{error}"));
+            distinct.entry(projected).or_insert_with(|| key.clone());
+        }
+    }
+    distinct.into_values().collect()
+}
+
+fn library() -> Library {
+    umbrage::shader_library().expect("the shader library is sound")
+}
+
+struct Studio {
+    renderer: Renderer,
+    composer: Arc<Composer>,
+    unshadowed: BTreeMap<String, Vec<[f32; 3]>>,
+    terms: BTreeMap<String, Vec<Pixel>>,
+}
+
+impl Studio {
+    fn new() -> Self {
+        let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
+        let composer = Arc::new(Composer::new(library(), Target::webgpu()));
+        let registry = umbrage::methods::registry().expect("names are unique");
+        let renderer = Renderer::new(gpu, composer.clone(), registry);
+        Self {
+            renderer,
+            composer,
+            unshadowed: BTreeMap::new(),
+            terms: BTreeMap::new(),
+        }
+    }
+
+    fn render(&mut self, stage: &Stage, what: What) -> Rendered {
+        let options = RenderOptions {
+            width: SIZE,
+            height: SIZE,
+            what,
+            ..RenderOptions::default()
+        };
+        self.renderer
+            .render(&stage.scene, &options)
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Draws `key`'s permutation, and says what is wrong with it.
+    fn check(&mut self, key: &Key) -> Option<String> {
+        let axes = self.composer.library().axes().clone();
+        let value = |axis: &str| axes.value(key, axis).unwrap_or("");
+        let shaded = matches!(value("pass"), "illumination" | "base");
+        let drawn = self.staged(key);
+        let what = if shaded {
+            What::Shaded
+        } else {
+            What::ShadowTerm
+        };
+        let rendered = self.render(&drawn, what);
+        let projected = self.composer.project(key).expect("it was projected before");
+        if !rendered
+            .report
+            .permutations
+            .iter()
+            .any(|used| used.key == projected)
+        {
+            return Some(format!("{key} was not drawn"));
+        }
+        let expected = self.expected(key, &drawn);
+        let wrong = match (&rendered.picture, value("pass")) {
+            (Picture::ShadowTerm(terms), _) => {
+                compare(&expected, |pixel| Some(f64::from(terms[0][pixel])))
+            }
+            // The base pass knows no light: that it is drawn, and valid, is all.
+            (_, "base") => None,
+            (Picture::Shaded(colors), _) => {
+                let unshadowed = self.unshadowed(key);
+                compare(&expected, |pixel| {
+                    let brightest =
+                        |color: [f32; 3]| f64::from(color[0].max(color[1]).max(color[2]));
+                    let lit = brightest(unshadowed[pixel]);
+                    // Where the light hardly arrives, the term cannot be told from the colour.
+                    (lit > 0.01).then(|| brightest(colors[pixel]) / lit)
+                })
+            }
+        };
+        wrong.map(|wrong| format!("{key}: {wrong}"))
+    }
+
+    fn staged(&self, key: &Key) -> Stage {
+        let library = self.composer.library();
+        // What draws no light of its own is drawn under a shadow method's, casters and all.
+        let method = library.axes().value(key, "method").unwrap_or("none");
+        let pass = library.axes().value(key, "pass").unwrap_or("");
+        let key = if pass == "caster" && method == "none" {
+            let choices = key.choices().filter(|(axis, _)| *axis != "method");
+            library
+                .key(choices.chain([("method", "basic")]))
+                .expect("a caster under basic")
+        } else {
+            key.clone()
+        };
+        stage(library, &key, RESOLUTION)
+    }
+
+    /// What the oracle sees, which is the same for all keys that differ in what it does not know.
+    fn expected(&mut self, key: &Key, drawn: &Stage) -> Vec<Pixel> {
+        let axes = self.composer.library().axes();
+        let known = [
+            "light",
+            "method",
+            "pcf",
+            "receiver_bias",
+            "alpha_test",
+            "base_color_texture",
+        ];
+        let name: Vec<_> = known
+            .iter()
+            .map(|axis| axes.value(key, axis).unwrap_or(""))
+            .collect();
+        let caster = axes.value(key, "pass") == Some("caster");
+        let name = format!("{name:?} {caster}");
+        if let Some(done) = self.terms.get(&name) {
+            return done.clone();
+        }
+        let registry = umbrage::methods::registry().expect("names are unique");
+        let oracle =
+            Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
+        let pixels: Vec<_> = (0..SIZE * SIZE)
+            .map(|i| oracle.pixel(i % SIZE, i / SIZE, SIZE, SIZE))
+            .collect();
+        self.terms.insert(name, pixels.clone());
+        pixels
+    }
+
+    /// The same picture without any shadow.
+    fn unshadowed(&mut self, key: &Key) -> Vec<[f32; 3]> {
+        let library = self.composer.library().clone();
+        let choices = key
+            .choices()
+            .filter(|(axis, _)| !["method", "pcf", "receiver_bias"].contains(axis));
+        let plain = library
+            .key(choices.chain([("method", "none")]))
+            .expect("a key without a method");
+        if let Some(done) = self.unshadowed.get(&plain.to_string()) {
+            return done.clone();
+        }
+        let rendered = self.render(&stage(&library, &plain, RESOLUTION), What::Shaded);
+        let Picture::Shaded(colors) = rendered.picture else {
+            unreachable!("a shaded picture was asked for")
+        };
+        self.unshadowed.insert(plain.to_string(), colors.clone());
+        colors
+    }
+}
+
+/// How the rendered terms differ from the expected ones, where they do by more than rounding.
+fn compare(expected: &[Pixel], rendered: impl Fn(usize) -> Option<f64>) -> Option<String> {
+    // Bilinear weights have 8 bits on many devices, and colours 11.
+    const ROUNDING: f64 = 0.005;
+    let (mut compared, mut wrong, mut worst, mut vague) = (0u32, 0u32, 0.0f64, 0u32);
+    for (pixel, expected) in expected.iter().enumerate() {
+        let (&Pixel::Term(dark, lit), Some(term)) = (expected, rendered(pixel)) else {
+            continue;
+        };
+        let off = (dark - term).max(term - lit);
+        compared += 1;
+        worst = worst.max(off);
+        vague += u32::from(lit - dark > 0.2);
+        // NaN is wrong, too.
+        wrong += u32::from(off.is_nan() || off > ROUNDING);
+    }
+    // An oracle that allows anything would agree with anything.
+    let sharp = compared > SIZE * SIZE / 2 && vague < compared / 25;
+    (!sharp || wrong > 0).then(|| {
+        format!("{wrong} of {compared} pixels differ, by {worst:.3} at the most; {vague} are vague")
+    })
+}
+
+#[test]
+fn every_permutation_is_drawn_as_the_oracle_says() {
+    let composer = Composer::new(library(), Target::webgpu());
+    let keys = permutations(&composer);
+    // Keys that share an oracle's work are worth keeping together.
+    let faults: Vec<_> = keys
+        .par_chunks(keys.len().div_ceil(rayon::current_num_threads()))
+        .flat_map_iter(|keys| {
+            let mut studio = Studio::new();
+            keys.iter()
+                .filter_map(|key| studio.check(key))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(
+        faults.is_empty(),
+        "{} of {} permutations:\n{}",
+        faults.len(),
+        keys.len(),
+        faults.join("\n")
+    );
+}
