@@ -73,7 +73,12 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
         },
         permutations.values(),
     )
-    .with_context(|| format!("the folder {} could not be written", args.out.display()))?;
+    .with_context(|| {
+        format!(
+            "the folder {} could not be written; choose one where new folders can be made",
+            args.out.display()
+        )
+    })?;
     eprintln!("{count} permutations are in {}", args.out.display());
     Ok(ExitCode::SUCCESS)
 }
