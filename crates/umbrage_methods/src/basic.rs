@@ -19,8 +19,10 @@
 //! With `plane`, each fetch is compared with the plane's depth a texel nearer to the light on both axes,
 //! which no texel of the plane's own exceeds. What `depth_bias` has to cover is the rasteriser, which
 //! moves vertices by up to 1/512 texel on each axis: at 89° to the normal, where the slope is 57, that
-//! is 57 · √2 / 512 = 0.16 texels. The default of 0.5 is three times that, and little against the
-//! texel's own width.
+//! is 57 · √2 / 512 = 0.16 texels. What else it has to cover is that a curved receiver is no plane: a
+//! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
+//! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
+//! filter's width.
 //!
 //! # Cost
 //! One map and one pass; six passes for a cube. ((W + 1) / 2)² fetches a pixel for width W, W² from a
@@ -58,7 +60,7 @@ const SETTINGS: [Setting; 2] = [
         doc: "how far a receiver is moved towards the light before it is compared, in texels",
         min: 0.0,
         max: 64.0,
-        default: 0.5,
+        default: 1.5,
         whole: false,
     },
 ];
