@@ -67,9 +67,7 @@ impl Steps {
 /// Runs `command`, which prints for itself.
 pub(crate) fn visibly(command: &mut Command) -> Result<()> {
     let line = shell_line(command);
-    let status = command
-        .current_dir(root())
-        .stdin(Stdio::null())
+    let status = at_home(command)
         .status()
         .with_context(|| format!("`{line}` could not be started"))?;
     if !status.success() {
@@ -89,9 +87,7 @@ pub(crate) fn behind_spinner(what: &str, command: &mut Command) -> Result<Output
 /// Runs `command` and keeps what it prints; its words are in the error where it fails.
 pub(crate) fn captured(command: &mut Command) -> Result<Output> {
     let line = shell_line(command);
-    let output = command
-        .current_dir(root())
-        .stdin(Stdio::null())
+    let output = at_home(command)
         .output()
         .with_context(|| format!("`{line}` could not be started"))?;
     if !output.status.success() {
@@ -103,6 +99,15 @@ pub(crate) fn captured(command: &mut Command) -> Result<Output> {
         );
     }
     Ok(output)
+}
+
+/// `command` in the workspace's root, with no one to answer its questions.
+fn at_home(command: &mut Command) -> &mut Command {
+    // Mesa's layer that sorts devices for desktops prints an error wherever there is no desktop.
+    command
+        .current_dir(root())
+        .stdin(Stdio::null())
+        .env("NODEVICE_SELECT", "1")
 }
 
 /// Shows that `work` is going on, and for how long it has been.
