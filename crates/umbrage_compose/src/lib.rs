@@ -1,8 +1,10 @@
 //! Links WGSL permutations from WESL modules in naga's IR.
 
 mod axes;
+mod bindings;
 mod cache;
 mod composer;
+mod copy;
 mod error;
 mod features;
 mod interface;
@@ -24,6 +26,7 @@ mod stubs;
 mod target;
 mod translate;
 mod unit;
+mod wgsl;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;

@@ -4,18 +4,17 @@
 //! that lead outside are put right.
 
 use std::{
-    collections::{BTreeMap, HashMap, HashSet},
+    collections::{HashMap, HashSet},
     sync::Arc,
 };
 
 use naga::{
-    AddressSpace, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle,
-    Module, Override, ResourceBinding, Span, Statement, Type, TypeInner,
-    diagnostic_filter::DiagnosticFilterNode,
+    Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
+    Statement, Type, TypeInner, diagnostic_filter::DiagnosticFilterNode,
 };
 
 use crate::{
-    Cause, Fault, Library, interface,
+    Cause, Fault, Library, bindings, interface,
     library::Request,
     names::Item,
     reach::{FunctionId, Reach, reach},
@@ -66,6 +65,7 @@ pub(crate) fn link(
         functions: HashMap::new(),
         under_way: Vec::new(),
         globals: HashMap::new(),
+        constants: HashMap::new(),
         overrides: HashMap::new(),
         dropped: false,
         own_names: HashSet::new(),
@@ -149,24 +149,25 @@ impl Targets<'_> {
 
 /// What of a unit has been copied.
 #[derive(Default)]
-struct Maps {
-    types: Vec<Option<Handle<Type>>>,
-    constants: HashMap<Handle<Constant>, Handle<Constant>>,
-    expressions: HashMap<Handle<Expression>, Handle<Expression>>,
-    filters: HashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
+pub(crate) struct Maps {
+    pub(crate) types: Vec<Option<Handle<Type>>>,
+    pub(crate) constants: HashMap<Handle<Constant>, Handle<Constant>>,
+    pub(crate) expressions: HashMap<Handle<Expression>, Handle<Expression>>,
+    pub(crate) filters: HashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
-struct Linker<'a> {
-    targets: Targets<'a>,
+pub(crate) struct Linker<'a> {
+    pub(crate) targets: Targets<'a>,
     reach: Reach,
     roots: Roots,
-    out: Module,
-    maps: HashMap<usize, Maps>,
+    pub(crate) out: Module,
+    pub(crate) maps: HashMap<usize, Maps>,
     functions: HashMap<FunctionId, Handle<Function>>,
     /// The functions being copied, outermost first, for telling of recursion.
     under_way: Vec<FunctionId>,
-    globals: HashMap<Item, Handle<GlobalVariable>>,
-    overrides: HashMap<Item, Handle<Override>>,
+    pub(crate) globals: HashMap<Item, Handle<GlobalVariable>>,
+    pub(crate) constants: HashMap<Item, Handle<Constant>>,
+    pub(crate) overrides: HashMap<Item, Handle<Override>>,
     /// Whether something was left out, and may have left unused things behind.
     dropped: bool,
     /// Names that are the root module's alone.
@@ -199,7 +200,7 @@ impl Linker<'_> {
             naga::compact::compact(&mut self.out, naga::compact::KeepUnused::No);
         }
         let owners = self.owners();
-        allocate(self.targets.library, &mut self.out, &owners)?;
+        bindings::allocate(self.targets.library, &mut self.out, &owners)?;
         Ok(Linked {
             module: self.out,
             owners,
@@ -332,7 +333,7 @@ impl Linker<'_> {
     }
 
     /// `name`, or another where the root module has it for itself.
-    fn free_name(&self, module: usize, name: &Option<String>) -> Option<String> {
+    pub(crate) fn free_name(&self, module: usize, name: &Option<String>) -> Option<String> {
         let name = name.as_ref()?;
         if module == self.targets.request.root || !self.own_names.contains(name) {
             return Some(name.clone());
@@ -391,18 +392,17 @@ impl Linker<'_> {
             })
             .collect();
         self.block(module, &dead, &mut function.body)?;
-        for (handle, expression) in function.expressions.iter_mut() {
-            self.outside(module, unit, handle, expression)?;
+        for (_, expression) in function.expressions.iter_mut() {
+            self.outside(module, unit, expression)?;
         }
         Ok(function)
     }
 
     /// Puts `expression`'s handles that lead outside its function right.
-    fn outside(
+    pub(crate) fn outside(
         &mut self,
         module: usize,
         unit: &Arc<Unit>,
-        _handle: Handle<Expression>,
         expression: &mut Expression,
     ) -> Result<(), Fault> {
         match expression {
@@ -464,300 +464,4 @@ impl Linker<'_> {
         }
         Ok(())
     }
-
-    fn ty(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<Type>,
-    ) -> Result<Handle<Type>, Fault> {
-        let maps = self.maps.entry(module).or_default();
-        maps.types.resize(unit.module.types.len(), None);
-        if let Some(done) = maps.types[handle.index()] {
-            return Ok(done);
-        }
-        let mut inner = unit.module.types[handle].inner.clone();
-        match &mut inner {
-            TypeInner::Pointer { base, .. } => *base = self.ty(module, unit, *base)?,
-            TypeInner::Array { base, size, .. } | TypeInner::BindingArray { base, size } => {
-                *base = self.ty(module, unit, *base)?;
-                if let naga::ArraySize::Pending(item) = size {
-                    *item = self.override_(module, unit, *item)?;
-                }
-            }
-            TypeInner::Struct { members, .. } => {
-                for member in members {
-                    member.ty = self.ty(module, unit, member.ty)?;
-                }
-            }
-            _ => {}
-        }
-        let name = unit.type_names[handle.index()].clone();
-        let span = self.shifted(module, unit.module.types.get_span(handle));
-        let copied = self.out.types.insert(Type { name, inner }, span);
-        if let Some(maps) = self.maps.get_mut(&module) {
-            maps.types[handle.index()] = Some(copied);
-        }
-        Ok(copied)
-    }
-
-    fn constant(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<Constant>,
-    ) -> Result<Handle<Constant>, Fault> {
-        if let Some(done) = self.maps.entry(module).or_default().constants.get(&handle) {
-            return Ok(*done);
-        }
-        let original = &unit.module.constants[handle];
-        let copied = Constant {
-            // A stand-in's made-up name would be an eyesore; a nameless constant is written out.
-            name: original
-                .name
-                .clone()
-                .filter(|name| !name.contains(crate::stubs::JOINT)),
-            ty: self.ty(module, unit, original.ty)?,
-            init: self.expression(module, unit, original.init)?,
-        };
-        let span = self.shifted(module, unit.module.constants.get_span(handle));
-        let copied = self.out.constants.append(copied, span);
-        self.maps
-            .entry(module)
-            .or_default()
-            .constants
-            .insert(handle, copied);
-        Ok(copied)
-    }
-
-    fn override_(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<Override>,
-    ) -> Result<Handle<Override>, Fault> {
-        let item = &unit.overrides[&handle];
-        if let Some(done) = self.overrides.get(item) {
-            return Ok(*done);
-        }
-        if item.module != module {
-            let owner = self.targets.unit(item.module)?;
-            let own = owner
-                .overrides
-                .iter()
-                .find(|(_, known)| *known == item)
-                .map(|(handle, _)| *handle);
-            if let Some(own) = own {
-                return self.override_(item.module, &owner, own);
-            }
-        }
-        let original = &unit.module.overrides[handle];
-        let copied = Override {
-            name: original.name.clone(),
-            id: original.id,
-            ty: self.ty(module, unit, original.ty)?,
-            init: match original.init {
-                Some(init) => Some(self.expression(module, unit, init)?),
-                None => None,
-            },
-        };
-        let span = self.shifted(module, unit.module.overrides.get_span(handle));
-        let copied = self.out.overrides.append(copied, span);
-        self.overrides.insert(item.clone(), copied);
-        Ok(copied)
-    }
-
-    fn global(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<GlobalVariable>,
-    ) -> Result<Handle<GlobalVariable>, Fault> {
-        let item = &unit.globals[&handle];
-        if let Some(done) = self.globals.get(item) {
-            return Ok(*done);
-        }
-        if item.module != module {
-            let owner = self.targets.unit(item.module)?;
-            if let Some(own) = owner.own_globals.get(&item.name) {
-                return self.global(item.module, &owner, *own);
-            }
-        }
-        let original = &unit.module.global_variables[handle];
-        let copied = GlobalVariable {
-            name: self.free_name(module, &original.name),
-            ty: self.ty(module, unit, original.ty)?,
-            init: match original.init {
-                Some(init) => Some(self.expression(module, unit, init)?),
-                None => None,
-            },
-            ..original.clone()
-        };
-        let span = self.shifted(module, unit.module.global_variables.get_span(handle));
-        let copied = self.out.global_variables.append(copied, span);
-        self.globals.insert(item.clone(), copied);
-        Ok(copied)
-    }
-
-    /// The copy of a constant expression.
-    fn expression(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<Expression>,
-    ) -> Result<Handle<Expression>, Fault> {
-        if let Some(done) = self
-            .maps
-            .entry(module)
-            .or_default()
-            .expressions
-            .get(&handle)
-        {
-            return Ok(*done);
-        }
-        let mut copied = unit.module.global_expressions[handle].clone();
-        match &mut copied {
-            Expression::Compose { components, .. } => {
-                for component in components {
-                    *component = self.expression(module, unit, *component)?;
-                }
-            }
-            Expression::Access { base, index } => {
-                *base = self.expression(module, unit, *base)?;
-                *index = self.expression(module, unit, *index)?;
-            }
-            Expression::AccessIndex { base: inner, .. }
-            | Expression::Splat { value: inner, .. }
-            | Expression::Swizzle { vector: inner, .. }
-            | Expression::Unary { expr: inner, .. }
-            | Expression::Relational {
-                argument: inner, ..
-            }
-            | Expression::As { expr: inner, .. } => {
-                *inner = self.expression(module, unit, *inner)?
-            }
-            Expression::Binary { left, right, .. } => {
-                *left = self.expression(module, unit, *left)?;
-                *right = self.expression(module, unit, *right)?;
-            }
-            Expression::Select {
-                condition,
-                accept,
-                reject,
-            } => {
-                *condition = self.expression(module, unit, *condition)?;
-                *accept = self.expression(module, unit, *accept)?;
-                *reject = self.expression(module, unit, *reject)?;
-            }
-            Expression::Math {
-                arg,
-                arg1,
-                arg2,
-                arg3,
-                ..
-            } => {
-                *arg = self.expression(module, unit, *arg)?;
-                for arg in [arg1, arg2, arg3].into_iter().flatten() {
-                    *arg = self.expression(module, unit, *arg)?;
-                }
-            }
-            _ => {}
-        }
-        self.outside(module, unit, handle, &mut copied)?;
-        let span = self.shifted(module, unit.module.global_expressions.get_span(handle));
-        let copied = self.out.global_expressions.append(copied, span);
-        self.maps
-            .entry(module)
-            .or_default()
-            .expressions
-            .insert(handle, copied);
-        Ok(copied)
-    }
-
-    fn filter(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<DiagnosticFilterNode>,
-    ) -> Handle<DiagnosticFilterNode> {
-        if let Some(done) = self.maps.entry(module).or_default().filters.get(&handle) {
-            return *done;
-        }
-        let mut node = unit.module.diagnostic_filters[handle].clone();
-        node.parent = node.parent.map(|parent| self.filter(module, unit, parent));
-        let copied = self.out.diagnostic_filters.append(node, Span::UNDEFINED);
-        self.maps
-            .entry(module)
-            .or_default()
-            .filters
-            .insert(handle, copied);
-        copied
-    }
-
-    /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
-    fn shifted(&self, module: usize, span: Span) -> Span {
-        let source = self.targets.library.source(module);
-        crate::unit::shifted(span, source.base, source.text.len())
-    }
-}
-
-/// Gives every resource its binding number: the author's where it is free in its group, otherwise
-/// the least that is, in the order of the modules' paths.
-fn allocate(
-    library: &Library,
-    module: &mut Module,
-    owners: &HashMap<Handle<GlobalVariable>, Item>,
-) -> Result<(), Fault> {
-    let mut resources = Vec::new();
-    for (handle, global) in module.global_variables.iter() {
-        let resource = match global.space {
-            AddressSpace::Uniform | AddressSpace::Storage { .. } | AddressSpace::Handle => true,
-            AddressSpace::Function
-            | AddressSpace::Private
-            | AddressSpace::WorkGroup
-            | AddressSpace::Immediate
-            | AddressSpace::TaskPayload
-            | AddressSpace::RayPayload
-            | AddressSpace::IncomingRayPayload => false,
-        };
-        let Some(item) = owners.get(&handle).filter(|_| resource) else {
-            continue;
-        };
-        let source = library.source(item.module);
-        let Some(binding) = global.binding else {
-            let message = format!(
-                "the resource `{}` has no `@group` and `@binding`",
-                item.name
-            );
-            return Err(Fault::new(Cause::Type, message)
-                .at(source.find(&item.name))
-                .note("group 0 is the pass's, 1 the light's and its method's, 2 the material's, 3 the objects'"));
-        };
-        resources.push((
-            binding.group,
-            source.path.as_str(),
-            binding.binding,
-            &item.name,
-            handle,
-        ));
-    }
-    resources.sort();
-    let mut taken: BTreeMap<(u32, u32), Handle<GlobalVariable>> = BTreeMap::new();
-    let mut late = Vec::new();
-    for (group, _, binding, _, handle) in &resources {
-        match taken.entry((*group, *binding)) {
-            std::collections::btree_map::Entry::Vacant(entry) => {
-                entry.insert(*handle);
-            }
-            std::collections::btree_map::Entry::Occupied(_) => late.push((*group, *handle)),
-        }
-    }
-    for (group, handle) in late {
-        let free = (0..).find(|binding| !taken.contains_key(&(group, *binding)));
-        taken.insert((group, free.unwrap_or(u32::MAX)), handle);
-    }
-    for ((group, binding), handle) in taken {
-        module.global_variables.get_mut(handle).binding = Some(ResourceBinding { group, binding });
-    }
-    Ok(())
 }

@@ -49,7 +49,11 @@ impl Package {
     /// An unreadable or malformed file.
     pub fn load(name: &str, dir: &Path) -> Result<Self, Error> {
         let config = Config::load(dir)?;
-        let root = dir.join(&config.root);
+        let root = match config.root.strip_prefix(".") {
+            Ok(within) if within.as_os_str().is_empty() => dir.to_owned(),
+            Ok(within) => dir.join(within),
+            Err(_) => dir.join(&config.root),
+        };
         let mut package = Self {
             name: name.to_owned(),
             modules: BTreeMap::new(),

@@ -6,7 +6,7 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect,
+    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect, wgsl,
 };
 
 /// A linked and validated shader.
@@ -49,9 +49,7 @@ impl Permutation {
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        let flags = naga::back::wgsl::WriterFlags::empty();
-        naga::back::wgsl::write_string(&self.module, &self.info, flags)
-            .map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
     }
 
     /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it.

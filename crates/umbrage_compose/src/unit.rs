@@ -16,6 +16,8 @@ pub(crate) struct Unit {
     pub(crate) functions: HashMap<Handle<Function>, Item>,
     /// What each variable is.
     pub(crate) globals: HashMap<Handle<GlobalVariable>, Item>,
+    /// What each named constant is.
+    pub(crate) constants: HashMap<Handle<naga::Constant>, Item>,
     /// What each override is.
     pub(crate) overrides: HashMap<Handle<naga::Override>, Item>,
     /// The module's own functions.
@@ -72,6 +74,12 @@ pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Re
         .iter()
         .map(|(handle, o)| (handle, item(&o.name)))
         .collect();
+    let constants = parsed
+        .constants
+        .iter()
+        .filter(|(_, constant)| constant.name.is_some())
+        .map(|(handle, constant)| (handle, item(&constant.name)))
+        .collect();
     let own = |stub: &Option<String>| {
         stub.as_ref()
             .is_some_and(|name| !prepared.stubs.items.contains_key(name))
@@ -103,6 +111,7 @@ pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Re
         module: parsed,
         functions,
         globals,
+        constants,
         overrides,
         type_names,
     };

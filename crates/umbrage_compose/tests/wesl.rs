@@ -172,6 +172,47 @@ fn a_local_shadows_an_import() {
     agree(&with_main(main), &[], "5u");
 }
 
+/// A struct lies in the linked text as its author asked.
+#[test]
+fn sizes_and_alignments() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let light = "struct Light { @size(32) color: vec3f, @align(32) reach: f32, kind: u32, inner: Inner, last: vec2f }\n\
+        struct Inner { @align(16) a: f32, b: array<vec4f, 2> }\n";
+    fs::write(dir.path().join("light.wesl"), light).expect("a file");
+    let main = dir.path().join("main.wesl");
+    fs::write(
+        &main,
+        "import package::light::Light;\nstruct Plain { a: f32, b: vec3f, c: f32 }\n\
+        @group(0) @binding(0) var<storage> lights: array<Light>;\n\
+        @group(0) @binding(1) var<uniform> plain: Plain;\n",
+    )
+    .expect("a file");
+    let linked = link_file(&main, None, &[], &[], Target::webgpu())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let wgsl = linked.wgsl().expect("it can be said in WGSL");
+    let again =
+        naga::front::wgsl::parse_str(&wgsl).unwrap_or_else(|error| panic!("{error}\n{wgsl}"));
+    let layouts = |module: &naga::Module| {
+        let structs = module.types.iter().filter_map(|(_, ty)| match &ty.inner {
+            naga::TypeInner::Struct { members, span } => {
+                let offsets: Vec<_> = members.iter().map(|member| member.offset).collect();
+                Some((ty.name.clone(), (offsets, *span)))
+            }
+            _ => None,
+        });
+        structs.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    assert_eq!(layouts(&again), layouts(&linked.module), "{wgsl}");
+    assert_eq!(
+        layouts(&again)[&Some("Light".to_owned())].0,
+        [0, 32, 36, 48, 96]
+    );
+    assert!(
+        wgsl.contains("    a: f32,\n    b: vec3<f32>,\n"),
+        "what needs no size has none: {wgsl}"
+    );
+}
+
 const CONDITIONS: &str = "
 @if(A) import package::x::value;
 @elif(B) import package::y::value;

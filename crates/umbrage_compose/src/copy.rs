@@ -1,0 +1,252 @@
+//! Copying what functions stand on: types, constants, overrides, variables and constant expressions.
+
+use std::sync::Arc;
+
+use naga::{
+    Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner,
+    diagnostic_filter::DiagnosticFilterNode,
+};
+
+use crate::{Fault, link::Linker, unit::Unit};
+
+impl Linker<'_> {
+    pub(crate) fn ty(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Type>,
+    ) -> Result<Handle<Type>, Fault> {
+        let maps = self.maps.entry(module).or_default();
+        maps.types.resize(unit.module.types.len(), None);
+        if let Some(done) = maps.types[handle.index()] {
+            return Ok(done);
+        }
+        let mut inner = unit.module.types[handle].inner.clone();
+        match &mut inner {
+            TypeInner::Pointer { base, .. } => *base = self.ty(module, unit, *base)?,
+            TypeInner::Array { base, size, .. } | TypeInner::BindingArray { base, size } => {
+                *base = self.ty(module, unit, *base)?;
+                if let naga::ArraySize::Pending(item) = size {
+                    *item = self.override_(module, unit, *item)?;
+                }
+            }
+            TypeInner::Struct { members, .. } => {
+                for member in members {
+                    member.ty = self.ty(module, unit, member.ty)?;
+                }
+            }
+            _ => {}
+        }
+        let name = unit.type_names[handle.index()].clone();
+        let span = self.shifted(module, unit.module.types.get_span(handle));
+        let copied = self.out.types.insert(Type { name, inner }, span);
+        if let Some(maps) = self.maps.get_mut(&module) {
+            maps.types[handle.index()] = Some(copied);
+        }
+        Ok(copied)
+    }
+
+    pub(crate) fn constant(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Constant>,
+    ) -> Result<Handle<Constant>, Fault> {
+        if let Some(done) = self.maps.entry(module).or_default().constants.get(&handle) {
+            return Ok(*done);
+        }
+        // A stand-in has the value of what it stands for.
+        let item = unit.constants.get(&handle);
+        if let Some(done) = item.and_then(|item| self.constants.get(item)) {
+            return Ok(*done);
+        }
+        let original = &unit.module.constants[handle];
+        let copied = Constant {
+            name: item.and_then(|item| self.free_name(item.module, &Some(item.name.clone()))),
+            ty: self.ty(module, unit, original.ty)?,
+            init: self.expression(module, unit, original.init)?,
+        };
+        let span = self.shifted(module, unit.module.constants.get_span(handle));
+        let copied = self.out.constants.append(copied, span);
+        match item {
+            Some(item) => self.constants.insert(item.clone(), copied),
+            None => self
+                .maps
+                .entry(module)
+                .or_default()
+                .constants
+                .insert(handle, copied),
+        };
+        Ok(copied)
+    }
+
+    pub(crate) fn override_(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Override>,
+    ) -> Result<Handle<Override>, Fault> {
+        let item = &unit.overrides[&handle];
+        if let Some(done) = self.overrides.get(item) {
+            return Ok(*done);
+        }
+        if item.module != module {
+            let owner = self.targets.unit(item.module)?;
+            let own = owner
+                .overrides
+                .iter()
+                .find(|(_, known)| *known == item)
+                .map(|(handle, _)| *handle);
+            if let Some(own) = own {
+                return self.override_(item.module, &owner, own);
+            }
+        }
+        let original = &unit.module.overrides[handle];
+        let copied = Override {
+            name: original.name.clone(),
+            id: original.id,
+            ty: self.ty(module, unit, original.ty)?,
+            init: match original.init {
+                Some(init) => Some(self.expression(module, unit, init)?),
+                None => None,
+            },
+        };
+        let span = self.shifted(module, unit.module.overrides.get_span(handle));
+        let copied = self.out.overrides.append(copied, span);
+        self.overrides.insert(item.clone(), copied);
+        Ok(copied)
+    }
+
+    pub(crate) fn global(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<GlobalVariable>,
+    ) -> Result<Handle<GlobalVariable>, Fault> {
+        let item = &unit.globals[&handle];
+        if let Some(done) = self.globals.get(item) {
+            return Ok(*done);
+        }
+        if item.module != module {
+            let owner = self.targets.unit(item.module)?;
+            if let Some(own) = owner.own_globals.get(&item.name) {
+                return self.global(item.module, &owner, *own);
+            }
+        }
+        let original = &unit.module.global_variables[handle];
+        let copied = GlobalVariable {
+            name: self.free_name(module, &original.name),
+            ty: self.ty(module, unit, original.ty)?,
+            init: match original.init {
+                Some(init) => Some(self.expression(module, unit, init)?),
+                None => None,
+            },
+            ..original.clone()
+        };
+        let span = self.shifted(module, unit.module.global_variables.get_span(handle));
+        let copied = self.out.global_variables.append(copied, span);
+        self.globals.insert(item.clone(), copied);
+        Ok(copied)
+    }
+
+    /// The copy of a constant expression.
+    pub(crate) fn expression(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<Expression>,
+    ) -> Result<Handle<Expression>, Fault> {
+        if let Some(done) = self
+            .maps
+            .entry(module)
+            .or_default()
+            .expressions
+            .get(&handle)
+        {
+            return Ok(*done);
+        }
+        let mut copied = unit.module.global_expressions[handle].clone();
+        match &mut copied {
+            Expression::Compose { components, .. } => {
+                for component in components {
+                    *component = self.expression(module, unit, *component)?;
+                }
+            }
+            Expression::Access { base, index } => {
+                *base = self.expression(module, unit, *base)?;
+                *index = self.expression(module, unit, *index)?;
+            }
+            Expression::AccessIndex { base: inner, .. }
+            | Expression::Splat { value: inner, .. }
+            | Expression::Swizzle { vector: inner, .. }
+            | Expression::Unary { expr: inner, .. }
+            | Expression::Relational {
+                argument: inner, ..
+            }
+            | Expression::As { expr: inner, .. } => {
+                *inner = self.expression(module, unit, *inner)?
+            }
+            Expression::Binary { left, right, .. } => {
+                *left = self.expression(module, unit, *left)?;
+                *right = self.expression(module, unit, *right)?;
+            }
+            Expression::Select {
+                condition,
+                accept,
+                reject,
+            } => {
+                *condition = self.expression(module, unit, *condition)?;
+                *accept = self.expression(module, unit, *accept)?;
+                *reject = self.expression(module, unit, *reject)?;
+            }
+            Expression::Math {
+                arg,
+                arg1,
+                arg2,
+                arg3,
+                ..
+            } => {
+                *arg = self.expression(module, unit, *arg)?;
+                for arg in [arg1, arg2, arg3].into_iter().flatten() {
+                    *arg = self.expression(module, unit, *arg)?;
+                }
+            }
+            _ => {}
+        }
+        self.outside(module, unit, &mut copied)?;
+        let span = self.shifted(module, unit.module.global_expressions.get_span(handle));
+        let copied = self.out.global_expressions.append(copied, span);
+        self.maps
+            .entry(module)
+            .or_default()
+            .expressions
+            .insert(handle, copied);
+        Ok(copied)
+    }
+
+    pub(crate) fn filter(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<DiagnosticFilterNode>,
+    ) -> Handle<DiagnosticFilterNode> {
+        if let Some(done) = self.maps.entry(module).or_default().filters.get(&handle) {
+            return *done;
+        }
+        let mut node = unit.module.diagnostic_filters[handle].clone();
+        node.parent = node.parent.map(|parent| self.filter(module, unit, parent));
+        let copied = self.out.diagnostic_filters.append(node, Span::UNDEFINED);
+        self.maps
+            .entry(module)
+            .or_default()
+            .filters
+            .insert(handle, copied);
+        copied
+    }
+
+    /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
+    pub(crate) fn shifted(&self, module: usize, span: Span) -> Span {
+        let source = self.targets.library.source(module);
+        crate::unit::shifted(span, source.base, source.text.len())
+    }
+}
