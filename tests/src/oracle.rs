@@ -36,9 +36,12 @@ pub struct Oracle<'a> {
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
     twin: Option<BasicTwin>,
-    /// The map's texels that were asked for, by layer, column and row.
-    texels: RefCell<HashMap<(u32, u32, u32), (f32, f32)>>,
+    /// The least and greatest depth of the map's texels that were asked for.
+    texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
+
+/// A texel's layer, column and row.
+type Texel = (u32, u32, u32);
 
 struct Triangle {
     corners: [DVec3; 3],

@@ -246,5 +246,5 @@ fn mask() -> Arc<Image> {
 }
 
 fn mask_is_solid(square: glam::UVec2) -> bool {
-    (square.x + square.y) % 2 == 0
+    (square.x + square.y).is_multiple_of(2)
 }

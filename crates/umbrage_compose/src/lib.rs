@@ -1,4 +1,65 @@
-//! Links WGSL permutations from WESL modules in naga's IR.
+//! Links WGSL permutations from WESL modules, in naga's IR.
+//!
+//! # The model
+//! A [`Package`] is a folder of *modules*: WGSL files with WESL's imports and conditions
+//! (<https://wesl-lang.dev>). A module in the folder `interface` is a contract: others call its functions,
+//! and a *binding* says which module's bodies they get. A package's `axes.ron` names the choices: an
+//! [`Axis`] has values, and a value asks the linker for a root module, for bindings, and for features. A
+//! [`Key`] is a value for each axis, a [`Manifest`] says which keys exist, and a [`Composer`] turns a key
+//! into a [`Permutation`]: the module that is left when everything else is left out.
+//!
+//! ```
+//! use umbrage_compose::{Composer, Library, Package, Target};
+//!
+//! # fn main() -> Result<(), umbrage_compose::Error> {
+//! let files = [
+//!     ("axes.ron", r#"(axes: {
+//!         "pass": (values: { "flat": (root: "package::flat") }),
+//!         "glow": (default: "off", values: {
+//!             "off": (bind: { "package::interface::glow": "package::interface::glow" }),
+//!             "on": (bind: { "package::interface::glow": "package::glow" }),
+//!         }),
+//!     })"#),
+//!     ("interface/glow.wesl", "fn glow(at: vec2f) -> f32 { return 0.0; }"),
+//!     ("glow.wesl", "fn glow(at: vec2f) -> f32 { return length(at) * 0.01; }"),
+//!     ("flat.wesl", "
+//!         import package::interface::glow::glow;
+//!         @fragment fn fs_flat(@builtin(position) at: vec4f) -> @location(0) vec4f {
+//!             return vec4f(glow(at.xy));
+//!         }
+//!     "),
+//! ];
+//! let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+//! let library = Library::new([Package::from_sources("demo", "demo", files)?])?;
+//! let key = library.key([("pass", "flat"), ("glow", "on")])?;
+//!
+//! let composer = Composer::new(library, Target::webgpu());
+//! let composed = composer.compose(&key)?;
+//! assert!(composed.permutation.wgsl()?.contains("length"));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # How it links
+//! 1. A module is parsed by `wgsl-parse`. Under some features, what is disabled is *blanked out* with
+//!    spaces, imports too, and `::` in written paths becomes `·`, which takes as many bytes: every byte
+//!    that stays keeps its place, so every span that naga gives is one in the author's file.
+//! 2. After the author's text come stand-ins for what it takes from others: a function's signature with
+//!    a zero result, copies of types, constants and resources. Naga parses that, once for each text.
+//! 3. To link a key, the root's entry points and what they reach are copied into one module. A function
+//!    keeps its expressions' numbers, so a copy is a clone in which only handles that lead outside it
+//!    are put right. Calls of stand-ins lead to the real functions, through the bindings.
+//! 4. Binding numbers are the authors' where they are free, and otherwise the least free ones, in the
+//!    order of the modules' paths: the same for everyone, always.
+//! 5. Naga validates the module against the target.
+//!
+//! Before any of that, a key is *projected*: following imports and bindings from the root notes each
+//! feature that is looked up and each binding that is needed, and choices that none of these depend on
+//! are put at their defaults. Keys of one projection are one permutation.
+//!
+//! # Faults
+//! Every fault says what is wrong, where (file, line, column, source line), and what to do; and in which
+//! permutation. See [`Fault`].
 
 mod axes;
 mod bindings;
