@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{
     run::{Steps, captured, root, umbrage},
-    setup::setup,
+    setup::set_up_command,
 };
 
 const SCENES: &str = "examples/scenes";
@@ -21,7 +21,7 @@ const SIZE: &str = "960x540";
 pub(crate) fn demo() -> Result<()> {
     let mut steps = Steps::new(3);
     steps.begin("set-up");
-    setup()?;
+    set_up_command()?;
     steps.run("permutations", &mut umbrage(&["check", MANIFEST]))?;
 
     let scenes = scenes(&root().join(SCENES))?;

@@ -8,9 +8,46 @@ use crate::run::{behind_spinner, cargo, root, shell_line, umbrage, visibly};
 
 const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
 
+/// The test that passes where the command finds an adapter.
+const ADAPTER_TEST: &str = "arguments::the_adapter_has_a_name";
+
 /// Builds the command and sees to it that the machine has an adapter.
-pub(crate) fn setup() -> Result<()> {
+pub(crate) fn set_up_command() -> Result<()> {
     visibly(&mut cargo(&["build", "--bin", "umbrage"]))?;
+    ensure_adapter(|| {
+        let output = behind_spinner("looking for an adapter", &mut umbrage(&["adapter"]))?;
+        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    })
+}
+
+/// Builds the tests and sees to it that the machine has an adapter.
+///
+/// Tests ask their dependencies for features that the command alone does not: to build the command by
+/// itself would build most dependencies twice. So a test that runs the command looks for the adapter.
+pub(crate) fn set_up_tests() -> Result<()> {
+    visibly(&mut cargo(&["test", "--no-run"]))?;
+    ensure_adapter(|| {
+        let mut test = cargo(&[
+            "test",
+            "--quiet",
+            "--test",
+            "cli",
+            "--",
+            "--exact",
+            ADAPTER_TEST,
+        ]);
+        let output = behind_spinner("looking for an adapter", &mut test)?;
+        if !String::from_utf8_lossy(&output.stdout).contains("1 passed") {
+            bail!(
+                "there is no test {ADAPTER_TEST} any more; name its successor in xtask's setup.rs"
+            );
+        }
+        Ok("found".to_owned())
+    })
+}
+
+/// Installs Mesa's software Vulkan where `adapter` fails.
+fn ensure_adapter(adapter: impl Fn() -> Result<String>) -> Result<()> {
     match adapter() {
         Ok(adapter) => {
             eprintln!("adapter: {adapter}");
@@ -41,17 +78,10 @@ pub(crate) fn setup() -> Result<()> {
         let what = shell_line(&command);
         behind_spinner(&what, &mut command)?;
     }
-    let adapter = adapter().context(
-        "Mesa's software Vulkan was installed, but there is still no adapter; `umbrage adapter` says why",
-    )?;
+    let adapter =
+        adapter().context("Mesa's software Vulkan was installed, but there is still no adapter")?;
     eprintln!("adapter: {adapter}");
     Ok(())
-}
-
-/// What `umbrage adapter` says: the adapter's name, or why there is none.
-fn adapter() -> Result<String> {
-    let output = behind_spinner("looking for an adapter", &mut umbrage(&["adapter"]))?;
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 fn install_commands() -> Vec<Command> {

@@ -4,13 +4,13 @@ use anyhow::Result;
 
 use crate::{
     run::{Steps, cargo},
-    setup::setup,
+    setup::set_up_tests,
 };
 
 pub(crate) fn test() -> Result<()> {
     let mut steps = Steps::new(5);
     steps.begin("set-up");
-    setup()?;
+    set_up_tests()?;
     steps.run("formatting", &mut cargo(&["fmt", "--all", "--check"]))?;
     // The whole workspace: the benchmarks are no default member, and are only checked here.
     let mut clippy = cargo(&["clippy", "--workspace", "--all-targets"]);
