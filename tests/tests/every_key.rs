@@ -1,5 +1,9 @@
 //! Every key of every manifest is composed, validated and drawn, and its shadow term compared with an
 //! oracle that shares nothing with the GPU.
+#![allow(
+    clippy::panic,
+    reason = "a test's helpers may fail it, with the error's own words"
+)]
 
 use std::{
     collections::BTreeMap,

@@ -1,4 +1,8 @@
 //! The composer on the project's own shader library: projection, caches, bindings, determinism.
+#![allow(
+    clippy::panic,
+    reason = "a test's helpers may fail it, with the error's own words"
+)]
 
 use std::{
     collections::{BTreeMap, BTreeSet},

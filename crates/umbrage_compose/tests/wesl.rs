@@ -1,5 +1,9 @@
 //! WESL: what is linked means what the `wesl` crate, another implementation, says it means. Both link
 //! the same modules, and its interpreter runs `probe()` in either result.
+#![allow(
+    clippy::panic,
+    reason = "a test's helpers may fail it, with the error's own words"
+)]
 
 use std::{borrow::Cow, collections::HashMap, fs};
 
@@ -81,7 +85,7 @@ const SHAPES: &[(&str, &str)] = &[
     ),
 ];
 
-fn with_main<'a>(main: &'a str) -> Vec<(&'a str, &'a str)> {
+fn with_main(main: &str) -> Vec<(&str, &str)> {
     let mut files = SHAPES.to_vec();
     files.push(("main.wesl", main));
     files
