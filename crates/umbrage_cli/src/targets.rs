@@ -1,7 +1,7 @@
 //! Targets by their names in manifests and arguments.
 
 use anyhow::{Context, Result, bail};
-use umbrage::compose::Target;
+use umbrage::{compose::Target, render::Gpu};
 
 /// All names.
 pub(crate) const NAMES: [&str; 2] = ["webgpu", "vulkan"];
@@ -10,25 +10,12 @@ pub(crate) const NAMES: [&str; 2] = ["webgpu", "vulkan"];
 pub(crate) fn target(name: &str) -> Result<Target> {
     match name {
         "webgpu" => Ok(Target::webgpu()),
-        "vulkan" => vulkan().context(
-            "the target `vulkan` is this machine's Vulkan adapter, and there is none; install a driver, or \
-             choose the target `webgpu`",
+        "vulkan" => Gpu::vulkan_target().context(
+            "the target `vulkan` is what this machine's adapter offers; `webgpu` needs none",
         ),
-        _ => bail!("there is no target `{name}`; choose one of {}", NAMES.join(", ")),
+        _ => bail!(
+            "there is no target `{name}`; choose one of {}",
+            NAMES.join(", ")
+        ),
     }
-}
-
-/// All that this machine's Vulkan adapter offers through wgpu.
-fn vulkan() -> Result<Target, wgpu::RequestAdapterError> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::VULKAN,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let options = wgpu::RequestAdapterOptions::default();
-    let adapter = pollster::block_on(instance.request_adapter(&options))?;
-    let capabilities = wgpu::wgc::device::features_to_naga_capabilities(
-        adapter.features(),
-        adapter.get_downlevel_capabilities().flags,
-    );
-    Ok(Target::new("vulkan", capabilities))
 }

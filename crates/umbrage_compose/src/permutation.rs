@@ -1,8 +1,10 @@
 //! Permutations: linked, validated, and reflected.
 
 use naga::{
-    Module, WithSpan,
-    valid::{ModuleInfo, ValidationError, ValidationFlags, Validator},
+    Module, Statement, WithSpan,
+    valid::{
+        EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
+    },
 };
 
 use crate::{
@@ -116,6 +118,9 @@ fn validation_fault(
         })
         .collect();
     spans.sort_by_key(|(range, label)| (label.is_empty(), range.len(), range.start));
+    if let Some(range) = wrong_return(module, error.as_inner()).and_then(naga::Span::to_range) {
+        spans = vec![(range, "")];
+    }
     let worded = spans.iter().filter(|(_, label)| !label.is_empty()).count();
     for (range, label) in spans.iter().take(worded.max(1)) {
         if let Some((module, start)) = library.locate(range.start) {
@@ -164,9 +169,51 @@ fn validation_fault(
     fault
 }
 
+/// The statement that returns a value of the wrong type: naga points at where the value came from.
+fn wrong_return(module: &Module, error: &ValidationError) -> Option<naga::Span> {
+    let (function, source) = match error {
+        ValidationError::Function { handle, source, .. } => (&module.functions[*handle], source),
+        ValidationError::EntryPoint {
+            name,
+            source: EntryPointError::Function(source),
+            ..
+        } => {
+            let entry = module
+                .entry_points
+                .iter()
+                .find(|entry| entry.name == *name)?;
+            (&entry.function, source)
+        }
+        _ => return None,
+    };
+    let FunctionError::InvalidReturnType { expression, .. } = source else {
+        return None;
+    };
+    let mut blocks = vec![&function.body];
+    while let Some(block) = blocks.pop() {
+        for (statement, span) in block.span_iter() {
+            match statement {
+                Statement::Return { value } if value == expression => return Some(*span),
+                Statement::Block(block) => blocks.push(block),
+                Statement::If { accept, reject, .. } => blocks.extend([accept, reject]),
+                Statement::Switch { cases, .. } => {
+                    blocks.extend(cases.iter().map(|case| &case.body))
+                }
+                Statement::Loop {
+                    body, continuing, ..
+                } => blocks.extend([body, continuing]),
+                _ => {}
+            }
+        }
+    }
+    None
+}
+
 /// Naga's words without its own types' names and numbers.
 fn plain(text: &str) -> String {
-    let text = without_handles(text).replace("naga::valid::", "");
+    let text = without_handles(text)
+        .replace("naga::valid::", "")
+        .replace(" Some()", "");
     // `Type flags TypeFlags(A | B) do not meet the required TypeFlags(A | C)`: it lacks C.
     let Some((found, required)) = text.split_once(" do not meet the required TypeFlags(") else {
         return text;

@@ -54,15 +54,19 @@ impl Source {
         }
     }
 
-    /// The place of the first `word` in the text, for faults of a whole module.
+    /// The place of the first `word` that is no part of a comment or of a longer word, for faults that
+    /// the syntax tree has no place for.
     pub(crate) fn find(&self, word: &str) -> Place<'_> {
-        let start = self.text.find(word).unwrap_or(0);
-        let length = if self.text[start..].starts_with(word) {
-            word.len()
-        } else {
-            0
+        let part = |c: char| c.is_alphanumeric() || c == '_';
+        let whole = |start: usize| {
+            let (before, after) = (&self.text[..start], &self.text[start + word.len()..]);
+            !before.ends_with(part) && !after.starts_with(part) && !self.in_comment(start)
         };
-        self.place(start..start + length)
+        let mut places = self.text.match_indices(word).map(|(start, _)| start);
+        match places.find(|start| !word.is_empty() && whole(*start)) {
+            Some(start) => self.place(start..start + word.len()),
+            None => self.place(0..0),
+        }
     }
 
     /// The components of the module's path within its package.

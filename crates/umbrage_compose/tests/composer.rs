@@ -375,6 +375,65 @@ fn what_is_not_needed_is_not_there() {
     assert!(!caster.contains("material"), "{caster}");
 }
 
+/// The linked text of each kind of permutation, for a person to read when it changes; naga reads it
+/// again, and finds it valid.
+#[test]
+fn linked_text() {
+    let composer = composer();
+    let keys: [(&str, &[(&str, &str)]); 5] = [
+        ("caster", &[("pass", "caster")]),
+        (
+            "caster_of_leaves",
+            &[
+                ("pass", "caster"),
+                ("alpha_test", "on"),
+                ("base_color_texture", "on"),
+            ],
+        ),
+        (
+            "shadow_term_sun",
+            &[
+                ("pass", "shadow_term"),
+                ("method", "basic"),
+                ("receiver_bias", "constant"),
+            ],
+        ),
+        (
+            "shadow_term_point",
+            &[
+                ("pass", "shadow_term"),
+                ("method", "basic"),
+                ("light", "point"),
+                ("pcf", "5"),
+            ],
+        ),
+        (
+            "illumination",
+            &[
+                ("pass", "illumination"),
+                ("surface", "ggx"),
+                ("light", "spot"),
+                ("cookie", "on"),
+            ],
+        ),
+    ];
+    for (name, choices) in keys {
+        let key = key(composer.library(), choices);
+        let text = composer
+            .compose(&key)
+            .expect("it is sound")
+            .permutation
+            .wgsl()
+            .expect("WGSL");
+        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{error}"));
+        let capabilities = Target::webgpu().capabilities();
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{error:?}"));
+        insta::assert_snapshot!(name, text);
+    }
+}
+
 /// The version in the cache's key is the one that is built with.
 #[test]
 fn nagas_version() {

@@ -110,6 +110,7 @@ faults! {
 
     // Interfaces.
     interface_unbound, &[("pass", "main"), ("method", "unbound")], [("main.wesl", MAIN)];
+    interface_unbound_and_commented, &[("pass", "main"), ("method", "unbound")], [("main.wesl", "// What calc_shadow is bound to, this pass need not know.\nimport package::interface::shadow::calc_shadow;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(calc_shadow(vec3f()));\n}\n")];
     interface_missing_function, MINE, [("mine.wesl", "fn calc_shadows(position_ws: vec3f) -> f32 {\n    return 0.5;\n}\n")];
     interface_wrong_parameter, MINE, [("mine.wesl", "const ONE = 1.0;\nfn calc_shadow(position_ws: vec4f) -> f32 {\n    return ONE;\n}\n")];
     interface_wrong_result, MINE, [("mine.wesl", "fn calc_shadow(position_ws: vec3f) -> vec3f {\n    return position_ws;\n}\n")];
@@ -118,6 +119,7 @@ faults! {
     type_unknown_name, PLAIN, [("main.wesl", "const falloff = 2.0;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(fallof);\n}\n")];
     type_mismatch, PLAIN, [("main.wesl", "@fragment fn fs_main() -> @location(0) vec4f {\n    let a: vec3f = vec2f(1.0);\n    return vec4f(a, 1.0);\n}\n")];
     type_wrong_argument, MINE, [("mine.wesl", "fn calc_shadow(position_ws: vec3f) -> f32 {\n    return half(position_ws);\n}\nfn half(value: f32) -> f32 {\n    return value * 0.5;\n}\n")];
+    type_wrong_return, MINE, [("mine.wesl", "fn calc_shadow(position_ws: vec3f) -> f32 {\n    let depth = position_ws;\n    return depth;\n}\n")];
     type_unknown_member, PLAIN, [("main.wesl", "@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(vec3f().w);\n}\n")];
     type_of_imported_struct, PLAIN, [
         ("main.wesl", "import package::light::Light;\n@fragment fn fs_main() -> @location(0) vec4f {\n    var light: Light;\n    return vec4f(light.colour, 1.0);\n}\n"),

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pollster::block_on;
+use umbrage_compose::Target;
 
 /// A device to render with, without a window.
 pub struct Gpu {
@@ -56,12 +57,7 @@ impl Gpu {
     /// # Errors
     /// No adapter, or one below WebGPU's baseline.
     pub fn new() -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            backends: wgpu::Backends::VULKAN,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        });
-        let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .map_err(|error| GpuError::NoAdapter(about_vulkan(&error.to_string())))?;
+        let adapter = find_adapter()?;
         let name = adapter.get_info().name;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("umbrage"),
@@ -86,6 +82,20 @@ impl Gpu {
             adapter: name,
             stray,
         })
+    }
+
+    /// The target `vulkan`: all that the machine's Vulkan adapter offers through wgpu, whether a device
+    /// of ours asks for it or not.
+    ///
+    /// # Errors
+    /// No adapter.
+    pub fn vulkan_target() -> Result<Target, GpuError> {
+        let adapter = find_adapter()?;
+        let capabilities = wgpu::wgc::device::features_to_naga_capabilities(
+            adapter.features(),
+            adapter.get_downlevel_capabilities().flags,
+        );
+        Ok(Target::new("vulkan", capabilities))
     }
 
     /// The adapter's name.
@@ -179,6 +189,16 @@ impl Gpu {
             view_formats: &[],
         }))
     }
+}
+
+/// The machine's Vulkan adapter. Probing other backends as well would print noise.
+fn find_adapter() -> Result<wgpu::Adapter, GpuError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::VULKAN,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+        .map_err(|error| GpuError::NoAdapter(about_vulkan(&error.to_string())))
 }
 
 /// What wgpu's account of all backends says of the one that was asked for.
