@@ -37,6 +37,7 @@ struct Report {
     wgsl_bytes: usize,
     rounds: usize,
     floor_us: Spread,
+    validate_us: Spread,
     new_us: Spread,
     cold_us: Spread,
     cached_us: Spread,
@@ -48,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let wanted = library()?.key(WANTED.iter().copied())?;
     let whole = Composer::new(library()?, Target::webgpu()).compose(&wanted)?;
     let text = whole.permutation.wgsl()?;
-    // Two permutations that between them know every module of the wanted one, under its features.
+    // Permutations that between them know every module of the wanted one, under its features.
     let other = |axis: &str, value: &'static str| {
         let choices = WANTED
             .iter()
@@ -61,10 +62,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         other("alpha_test", "off")?,
     ];
 
-    let (mut floor, mut new, mut cold, mut cached, mut hashmap) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let [
+        mut floor,
+        mut validating,
+        mut new,
+        mut cold,
+        mut cached,
+        mut hashmap,
+    ] = [const { Vec::new() }; 6];
     for _ in 0..ROUNDS {
         floor.push(time(|| parse_and_validate(&text)));
+        validating.push(time(|| validate(&whole.permutation.module)));
         cold.push(time(|| -> Result<_, umbrage_compose::Error> {
             Composer::new(library()?, Target::webgpu()).compose(&wanted)
         }));
@@ -85,6 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         wgsl_bytes: text.len(),
         rounds: ROUNDS,
         floor_us: spread(&floor),
+        validate_us: spread(&validating),
         new_us: spread(&new),
         cold_us: spread(&cold),
         cached_us: spread(&cached),
@@ -95,6 +104,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         text.len()
     );
     println!("floor: naga parses and validates it  {}", report.floor_us);
+    println!(
+        "of which validating alone            {}",
+        report.validate_us
+    );
     println!("new, its modules known               {}", report.new_us);
     println!("cold, nothing known                  {}", report.cold_us);
     println!("cached, looked up                    {}", report.cached_us);
@@ -117,9 +130,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn parse_and_validate(text: &str) -> Option<naga::valid::ModuleInfo> {
     let module = naga::front::wgsl::parse_str(text).ok()?;
+    validate(&module)
+}
+
+fn validate(module: &naga::Module) -> Option<naga::valid::ModuleInfo> {
     let capabilities = Target::webgpu().capabilities();
     Validator::new(ValidationFlags::all(), capabilities)
-        .validate(&module)
+        .validate(module)
         .ok()
 }
 
