@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::{Cause, Error, Fault, Key, error::nearest, package::SourceText, ron_text};
+use crate::{
+    Cause, Error, Fault, Key, error::nearest, features::FeatureSet, package::SourceText, ron_text,
+};
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +40,16 @@ pub(crate) struct Effect {
     pub(crate) root: Option<String>,
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
+    /// The same by numbers, for the library that has them.
+    pub(crate) numbers: EffectNumbers,
+}
+
+/// What a value asks of the linker, by the numbers of a library's modules and features.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct EffectNumbers {
+    pub(crate) root: Option<usize>,
+    pub(crate) bind: Vec<(usize, usize)>,
+    pub(crate) features: FeatureSet,
 }
 
 /// A combination of values that makes no sense.
@@ -77,6 +89,13 @@ impl Axes {
     pub(crate) fn features(&self) -> impl Iterator<Item = &str> {
         let effects = self.iter().flat_map(|axis| axis.values.values());
         effects.flat_map(|effect| effect.features.iter().map(String::as_str))
+    }
+
+    /// What every value of every axis asks for.
+    pub(crate) fn effects_mut(&mut self) -> impl Iterator<Item = &mut Effect> {
+        self.axes
+            .values_mut()
+            .flat_map(|axis| axis.values.values_mut())
     }
 
     /// What `key` asks of the linker, axis by axis.
@@ -223,6 +242,7 @@ impl Axes {
                     .map(|(k, v)| (own(k), own(v)))
                     .collect(),
                 features: effect.features,
+                numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.clone(), effect).is_some() {
                 let message = format!("axis `{name}` has the value `{value}` already");

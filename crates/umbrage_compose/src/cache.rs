@@ -86,7 +86,8 @@ impl DiskCache {
         // What the choices ask of the linker may change with the axes, and the key stay the same.
         for (axis, effect) in library.axes().effects(key) {
             part(axis.name.as_bytes());
-            part(format!("{effect:?}").as_bytes());
+            let asked = (&effect.root, &effect.bind, &effect.features);
+            part(format!("{asked:?}").as_bytes());
         }
         for module in &dependencies.modules {
             let source = library.source(*module);

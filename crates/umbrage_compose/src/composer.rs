@@ -206,7 +206,7 @@ impl Composer {
             composer: self,
             enabled: &request.features,
         };
-        let found = dependencies(&self.library, &request, &with)?;
+        let found = dependencies(&request, &with)?;
         Ok((request, found))
     }
 

@@ -24,6 +24,15 @@ impl FeatureNames {
         self.0.get(name).copied()
     }
 
+    /// The set of those of `names` that are known.
+    pub(crate) fn set(&self, names: &[String]) -> FeatureSet {
+        let mut set = FeatureSet::default();
+        for number in names.iter().filter_map(|name| self.number(name)) {
+            set.insert(number);
+        }
+        set
+    }
+
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
         self.0.iter().map(|(name, number)| (name.as_str(), *number))
     }
@@ -46,11 +55,19 @@ impl FeatureSet {
         self.word(number / 64) >> (number % 64) & 1 == 1
     }
 
+    /// Whether this set and `other` have the same members among those of `mask`.
+    pub(crate) fn same_among(&self, other: &Self, mask: &Self) -> bool {
+        let words = mask.0.iter().enumerate();
+        words
+            .into_iter()
+            .all(|(i, mask)| (self.word(i) ^ other.word(i)) & mask == 0)
+    }
+
     fn word(&self, index: usize) -> u64 {
         self.0.get(index).copied().unwrap_or(0)
     }
 
-    fn union(&mut self, other: &Self) {
+    pub(crate) fn union(&mut self, other: &Self) {
         if self.0.len() < other.0.len() {
             self.0.resize(other.0.len(), 0);
         }

@@ -7,6 +7,7 @@ use std::{
 
 use crate::{
     Axes, Cause, Error, Fault, Key, Package,
+    axes::EffectNumbers,
     error::nearest,
     features::{FeatureNames, FeatureSet},
     package::Dependency,
@@ -82,6 +83,17 @@ impl Library {
             .map(|(index, source)| (source.path.clone(), index))
             .collect();
         let features = FeatureNames::new(axes.features());
+        let module = |path: &String| by_path.get(path).copied();
+        for effect in axes.effects_mut() {
+            let bound = effect.bind.iter();
+            effect.numbers = EffectNumbers {
+                root: effect.root.as_ref().and_then(module),
+                bind: bound
+                    .filter_map(|(k, v)| Some((module(k)?, module(v)?)))
+                    .collect(),
+                features: features.set(&effect.features),
+            };
+        }
         let library = Self(Arc::new(Inner {
             packages: entries,
             syntax: sources.iter().map(|_| OnceLock::new()).collect(),
@@ -176,21 +188,9 @@ impl Library {
         let mut root = None;
         let mut request = Request::default();
         for (_, effect) in self.axes().effects(key) {
-            if let Some(path) = &effect.root {
-                root = self.module(path);
-            }
-            for (interface, implementation) in &effect.bind {
-                if let (Some(interface), Some(implementation)) =
-                    (self.module(interface), self.module(implementation))
-                {
-                    request.bindings.insert(interface, implementation);
-                }
-            }
-            for feature in &effect.features {
-                if let Some(number) = self.features().number(feature) {
-                    request.features.insert(number);
-                }
-            }
+            root = effect.numbers.root.or(root);
+            request.bindings.extend(effect.numbers.bind.iter().copied());
+            request.features.union(&effect.numbers.features);
         }
         request.root = root.ok_or_else(|| {
             Fault::new(

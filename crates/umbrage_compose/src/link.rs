@@ -4,6 +4,7 @@
 //! that lead outside are put right.
 
 use std::{
+    cell::RefCell,
     collections::{HashMap, HashSet},
     sync::Arc,
 };
@@ -52,6 +53,7 @@ pub(crate) fn link(
         library,
         request,
         units,
+        taken: RefCell::default(),
         known: HashMap::new(),
         checked: HashSet::new(),
     };
@@ -78,13 +80,20 @@ pub(crate) struct Targets<'a> {
     pub(crate) library: &'a Library,
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
+    /// The units that were asked for.
+    taken: RefCell<HashMap<usize, Arc<Unit>>>,
     known: HashMap<FunctionId, FunctionId>,
     checked: HashSet<usize>,
 }
 
 impl Targets<'_> {
     pub(crate) fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
-        self.units.unit(module)
+        if let Some(unit) = self.taken.borrow().get(&module) {
+            return Ok(unit.clone());
+        }
+        let unit = self.units.unit(module)?;
+        self.taken.borrow_mut().insert(module, unit.clone());
+        Ok(unit)
     }
 
     /// The function that `called`, a function or a stand-in in its module's unit, stands for.

@@ -2,12 +2,12 @@
 //! appended for what it takes from others.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     ops::Range,
     sync::Arc,
 };
 
-use wgsl_parse::lexer::Token;
+use wgsl_parse::{lexer::Token, syntax::GlobalDeclaration};
 
 use crate::{
     Fault, Library,
@@ -25,8 +25,10 @@ pub(crate) struct Prepared {
     /// How much of it is the author's.
     pub(crate) own: usize,
     pub(crate) stubs: Stubs,
-    /// What the module itself names of others, in a fixed order.
-    pub(crate) wanted: Vec<Item>,
+    /// The modules that it, or what stands in for others' declarations, takes something from.
+    pub(crate) modules: BTreeSet<usize>,
+    /// The interfaces of which it takes a function, so that their binding matters.
+    pub(crate) interfaces: BTreeSet<usize>,
     /// Names of its own declarations and of those in scope.
     pub(crate) known: Vec<String>,
     /// The features that the text depends on.
@@ -96,16 +98,28 @@ pub(crate) fn prepare(
     let own = text.len();
     text.push('\n');
     text.push_str(&stubs.text);
-    let mut items: Vec<_> = wanted.values().cloned().collect();
-    items.sort();
-    items.dedup();
+    let mut interfaces = BTreeSet::new();
+    for item in wanted.values() {
+        if library.source(item.module).is_interface()
+            && is_function(&*translations.translated(item.module)?, &item.name)
+        {
+            interfaces.insert(item.module);
+        }
+    }
     Ok(Prepared {
         known: declared.iter().chain(scope.keys()).cloned().collect(),
+        modules: stubs.items.values().map(|item| item.module).collect(),
         text,
         own,
         stubs,
-        wanted: items,
+        interfaces,
         consulted: translations.consulted,
+    })
+}
+
+fn is_function(translated: &Translated, name: &str) -> bool {
+    translated.declarations.iter().any(|node| {
+        matches!(node.node(), GlobalDeclaration::Function(function) if *function.ident.name() == name)
     })
 }
 

@@ -7,7 +7,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
-    Fault, Key, Library, axes::Effect, features::Consulted, library::Request, prepare::Prepared,
+    Fault, Key, Library, axes::EffectNumbers, features::Consulted, library::Request,
+    prepare::Prepared,
 };
 
 /// What a request's permutation depends on.
@@ -28,7 +29,6 @@ pub(crate) trait Modules {
 
 /// What the permutation that `request` asks for depends on.
 pub(crate) fn dependencies(
-    library: &Library,
     request: &Request,
     modules: &dyn Modules,
 ) -> Result<Dependencies, Fault> {
@@ -40,27 +40,13 @@ pub(crate) fn dependencies(
         }
         let prepared = modules.prepared(module)?;
         found.consulted.union(&prepared.consulted);
-        for item in &prepared.wanted {
-            waiting.push(item.module);
-            let interface = library.source(item.module).is_interface();
-            if interface && is_function(library, item.module, &item.name)? {
-                found.interfaces.insert(item.module);
-                waiting.extend(request.bindings.get(&item.module));
-            }
+        waiting.extend(&prepared.modules);
+        for &interface in &prepared.interfaces {
+            found.interfaces.insert(interface);
+            waiting.extend(request.bindings.get(&interface));
         }
-        // What stands in for others' declarations may come from further modules.
-        waiting.extend(prepared.stubs.items.values().map(|item| item.module));
     }
     Ok(found)
-}
-
-fn is_function(library: &Library, module: usize, name: &str) -> Result<bool, Fault> {
-    use wgsl_parse::syntax::GlobalDeclaration;
-    let declarations = &library.syntax(module)?.tree.global_declarations;
-    Ok(declarations.iter().any(|node| match node.node() {
-        GlobalDeclaration::Function(function) => *function.ident.name() == name,
-        _ => false,
-    }))
 }
 
 /// `key` with every choice that makes no difference at its default, and every other at the first
@@ -68,8 +54,7 @@ fn is_function(library: &Library, module: usize, name: &str) -> Result<bool, Fau
 pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key {
     let mut projected = BTreeMap::new();
     for (axis, effect) in library.axes().effects(key) {
-        let matters = relevant(library, effect, found);
-        let alike = |value: &&String| relevant(library, &axis.values[*value], found) == matters;
+        let alike = |value: &&String| same(&axis.values[*value].numbers, &effect.numbers, found);
         let first = axis
             .default
             .iter()
@@ -82,34 +67,13 @@ pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key
     Key(projected)
 }
 
-/// What of a value's effect a permutation depends on.
-#[derive(PartialEq)]
-struct Relevant<'a> {
-    root: Option<&'a str>,
-    bind: Vec<(usize, Option<usize>)>,
-    features: BTreeSet<&'a str>,
-}
-
-fn relevant<'a>(library: &Library, effect: &'a Effect, found: &Dependencies) -> Relevant<'a> {
-    let bind = effect
-        .bind
-        .iter()
-        .filter_map(|(interface, implementation)| {
-            let interface = library.module(interface)?;
-            let needed = found.interfaces.contains(&interface);
-            needed.then(|| (interface, library.module(implementation)))
-        });
-    let features = effect
-        .features
-        .iter()
-        .map(String::as_str)
-        .filter(|feature| {
-            let number = library.features().number(feature);
-            number.is_some_and(|number| found.consulted.asked.contains(number))
-        });
-    Relevant {
-        root: effect.root.as_deref(),
-        bind: bind.collect(),
-        features: features.collect(),
-    }
+/// Whether two values make no difference to a permutation that depends on what was `found`.
+fn same(a: &EffectNumbers, b: &EffectNumbers, found: &Dependencies) -> bool {
+    let needed = |(interface, _): &&(usize, usize)| found.interfaces.contains(interface);
+    a.root == b.root
+        && a.bind
+            .iter()
+            .filter(needed)
+            .eq(b.bind.iter().filter(needed))
+        && a.features.same_among(&b.features, &found.consulted.asked)
 }
