@@ -1,8 +1,9 @@
 //! Binding numbers.
 
-use std::collections::{BTreeMap, HashMap, btree_map};
+use std::collections::{BTreeMap, btree_map};
 
 use naga::{AddressSpace, GlobalVariable, Handle, Module, ResourceBinding};
+use rustc_hash::FxHashMap;
 
 use crate::{Cause, Fault, Library, names::Item};
 
@@ -11,7 +12,7 @@ use crate::{Cause, Fault, Library, names::Item};
 pub(crate) fn allocate(
     library: &Library,
     module: &mut Module,
-    owners: &HashMap<Handle<GlobalVariable>, Item>,
+    owners: &FxHashMap<Handle<GlobalVariable>, Item>,
 ) -> Result<(), Fault> {
     let mut resources = Vec::new();
     for (handle, global) in module.global_variables.iter() {

@@ -3,22 +3,19 @@
 //! Functions keep their expressions' numbers, so copying one is a clone in which only the handles
 //! that lead outside are put right.
 
-use std::{
-    cell::RefCell,
-    collections::{HashMap, HashSet},
-    sync::Arc,
-};
+use std::{cell::RefCell, sync::Arc};
 
 use naga::{
     Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
     Statement, Type, TypeInner, diagnostic_filter::DiagnosticFilterNode,
 };
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library, bindings, interface,
     library::Request,
     names::Item,
-    reach::{FunctionId, Reach, reach},
+    reach::{DEEPEST_CALLS, FunctionId, Reach, reach},
     unit::{Unit, private_roots},
 };
 
@@ -34,7 +31,7 @@ pub(crate) enum Roots {
 /// A linked module, and the declaration that each of its variables came from.
 pub(crate) struct Linked {
     pub(crate) module: Module,
-    pub(crate) owners: HashMap<Handle<GlobalVariable>, Item>,
+    pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
 }
 
 /// The units of the modules in hand.
@@ -54,8 +51,8 @@ pub(crate) fn link(
         request,
         units,
         taken: RefCell::default(),
-        known: HashMap::new(),
-        checked: HashSet::new(),
+        known: FxHashMap::default(),
+        checked: FxHashSet::default(),
     };
     let reach = reach(&mut targets, request.root, roots)?;
     let linker = Linker {
@@ -63,14 +60,14 @@ pub(crate) fn link(
         reach,
         roots,
         out: Module::default(),
-        maps: HashMap::new(),
-        functions: HashMap::new(),
+        maps: FxHashMap::default(),
+        functions: FxHashMap::default(),
         under_way: Vec::new(),
-        globals: HashMap::new(),
-        constants: HashMap::new(),
-        overrides: HashMap::new(),
+        globals: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        overrides: FxHashMap::default(),
         dropped: false,
-        own_names: HashSet::new(),
+        own_names: FxHashSet::default(),
     };
     linker.link()
 }
@@ -81,9 +78,9 @@ pub(crate) struct Targets<'a> {
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
     /// The units that were asked for.
-    taken: RefCell<HashMap<usize, Arc<Unit>>>,
-    known: HashMap<FunctionId, FunctionId>,
-    checked: HashSet<usize>,
+    taken: RefCell<FxHashMap<usize, Arc<Unit>>>,
+    known: FxHashMap<FunctionId, FunctionId>,
+    checked: FxHashSet<usize>,
 }
 
 impl Targets<'_> {
@@ -160,9 +157,9 @@ impl Targets<'_> {
 #[derive(Default)]
 pub(crate) struct Maps {
     pub(crate) types: Vec<Option<Handle<Type>>>,
-    pub(crate) constants: HashMap<Handle<Constant>, Handle<Constant>>,
-    pub(crate) expressions: HashMap<Handle<Expression>, Handle<Expression>>,
-    pub(crate) filters: HashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
+    pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
+    pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
+    pub(crate) filters: FxHashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
 pub(crate) struct Linker<'a> {
@@ -170,17 +167,17 @@ pub(crate) struct Linker<'a> {
     reach: Reach,
     roots: Roots,
     pub(crate) out: Module,
-    pub(crate) maps: HashMap<usize, Maps>,
-    functions: HashMap<FunctionId, Handle<Function>>,
+    pub(crate) maps: FxHashMap<usize, Maps>,
+    functions: FxHashMap<FunctionId, Handle<Function>>,
     /// The functions being copied, outermost first, for telling of recursion.
     under_way: Vec<FunctionId>,
-    pub(crate) globals: HashMap<Item, Handle<GlobalVariable>>,
-    pub(crate) constants: HashMap<Item, Handle<Constant>>,
-    pub(crate) overrides: HashMap<Item, Handle<Override>>,
+    pub(crate) globals: FxHashMap<Item, Handle<GlobalVariable>>,
+    pub(crate) constants: FxHashMap<Item, Handle<Constant>>,
+    pub(crate) overrides: FxHashMap<Item, Handle<Override>>,
     /// Whether something was left out, and may have left unused things behind.
     dropped: bool,
     /// Names that are the root module's alone.
-    own_names: HashSet<String>,
+    own_names: FxHashSet<String>,
 }
 
 impl Linker<'_> {
@@ -217,8 +214,8 @@ impl Linker<'_> {
     }
 
     /// Which declaration each variable came from, by its place: compaction renumbers variables.
-    fn owners(&self) -> HashMap<Handle<GlobalVariable>, Item> {
-        let mut owners = HashMap::new();
+    fn owners(&self) -> FxHashMap<Handle<GlobalVariable>, Item> {
+        let mut owners = FxHashMap::default();
         for (handle, global) in self.out.global_variables.iter() {
             let span = self.out.global_variables.get_span(handle).to_range();
             let place = span.and_then(|range| self.targets.library.locate(range.start));
@@ -328,6 +325,12 @@ impl Linker<'_> {
         }
         if let Some(start) = self.under_way.iter().position(|known| *known == id) {
             return Err(self.recursion(start));
+        }
+        if self.under_way.len() > DEEPEST_CALLS {
+            let message = format!("calls nest more than {DEEPEST_CALLS} deep");
+            return Err(Fault::new(Cause::Recursion, message)
+                .at(self.targets.library.source(id.0).place(0..0))
+                .note("let functions of this module call fewer of each other"));
         }
         self.under_way.push(id);
         let unit = self.targets.unit(id.0)?;

@@ -4,16 +4,18 @@
 //! it has no effect, nor has a call that does nothing but write it: both are left out, and what
 //! only they led to is never copied.
 
-use std::collections::HashSet;
-
 use naga::{Function, Handle};
+use rustc_hash::FxHashSet;
 
 use crate::{
-    Fault,
+    Cause, Fault,
     link::{Roots, Targets},
     names::Item,
     unit::Facts,
 };
+
+/// Calls nested deeper than this are refused: linking, validating and writing a shader recurse.
+pub(crate) const DEEPEST_CALLS: usize = 256;
 
 /// A function of a module's unit.
 pub(crate) type FunctionId = (usize, Handle<Function>);
@@ -22,9 +24,9 @@ pub(crate) type FunctionId = (usize, Handle<Function>);
 #[derive(Debug, Default)]
 pub(crate) struct Reach {
     /// The private variables that something reads.
-    pub(crate) reads: HashSet<Item>,
+    pub(crate) reads: FxHashSet<Item>,
     /// The functions that have no effect but their result.
-    pub(crate) idle: HashSet<FunctionId>,
+    pub(crate) idle: FxHashSet<FunctionId>,
 }
 
 pub(crate) fn reach(targets: &mut Targets<'_>, root: usize, roots: Roots) -> Result<Reach, Fault> {
@@ -38,13 +40,13 @@ pub(crate) fn reach(targets: &mut Targets<'_>, root: usize, roots: Roots) -> Res
         let mut walk = Walk {
             targets,
             reads: &reach.reads,
-            idle: HashSet::new(),
-            seen: HashSet::new(),
-            found: HashSet::new(),
+            idle: FxHashSet::default(),
+            seen: FxHashSet::default(),
+            found: FxHashSet::default(),
         };
         let unit = walk.targets.unit(root)?;
         for facts in &unit.entry_facts {
-            walk.visit(root, facts)?;
+            walk.visit(root, facts, 0)?;
         }
         let (found, idle) = (walk.found, walk.idle);
         let settled = found == reach.reads;
@@ -57,7 +59,7 @@ pub(crate) fn reach(targets: &mut Targets<'_>, root: usize, roots: Roots) -> Res
 
 fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
     let mut reach = Reach::default();
-    let mut seen = HashSet::new();
+    let mut seen = FxHashSet::default();
     let mut modules = vec![root];
     while let Some(module) = modules.pop() {
         if !seen.insert(module) {
@@ -83,14 +85,20 @@ fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
 
 struct Walk<'a, 'b> {
     targets: &'a mut Targets<'b>,
-    reads: &'a HashSet<Item>,
-    idle: HashSet<FunctionId>,
-    seen: HashSet<FunctionId>,
-    found: HashSet<Item>,
+    reads: &'a FxHashSet<Item>,
+    idle: FxHashSet<FunctionId>,
+    seen: FxHashSet<FunctionId>,
+    found: FxHashSet<Item>,
 }
 
 impl Walk<'_, '_> {
-    fn visit(&mut self, module: usize, facts: &Facts) -> Result<(), Fault> {
+    fn visit(&mut self, module: usize, facts: &Facts, depth: usize) -> Result<(), Fault> {
+        if depth > DEEPEST_CALLS {
+            let message = format!("calls nest more than {DEEPEST_CALLS} deep");
+            return Err(Fault::new(Cause::Recursion, message)
+                .at(self.targets.library.source(module).place(0..0))
+                .note("let functions of this module call fewer of each other"));
+        }
         let unit = self.targets.unit(module)?;
         self.found.extend(
             facts
@@ -100,10 +108,11 @@ impl Walk<'_, '_> {
         );
         for &(callee, unused) in &facts.calls {
             let target = self.targets.target((module, callee))?;
-            let idle = self.is_idle(target, &mut Vec::new())?;
-            if (!unused || !idle) && self.seen.insert(target) {
+            // A call whose result is used is kept whatever else it does.
+            let idle = unused && self.is_idle(target, &mut Vec::new())?;
+            if !idle && self.seen.insert(target) {
                 let unit = self.targets.unit(target.0)?;
-                self.visit(target.0, &unit.facts[target.1.index()])?;
+                self.visit(target.0, &unit.facts[target.1.index()], depth + 1)?;
             }
         }
         Ok(())
@@ -115,7 +124,7 @@ impl Walk<'_, '_> {
             return Ok(true);
         }
         // A circle is an error, told where it is copied.
-        if above.contains(&id) {
+        if above.contains(&id) || above.len() > DEEPEST_CALLS {
             return Ok(false);
         }
         let unit = self.targets.unit(id.0)?;

@@ -1,10 +1,11 @@
 //! Units: modules as naga parsed them, each by itself, ready to be copied from.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
+use rustc_hash::FxHashMap;
 
 use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepared, stubs::JOINT};
 
@@ -13,17 +14,17 @@ use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepare
 pub(crate) struct Unit {
     pub(crate) module: Module,
     /// What each function is: one of the module's own, or another's.
-    pub(crate) functions: HashMap<Handle<Function>, Item>,
+    pub(crate) functions: FxHashMap<Handle<Function>, Item>,
     /// What each variable is.
-    pub(crate) globals: HashMap<Handle<GlobalVariable>, Item>,
+    pub(crate) globals: FxHashMap<Handle<GlobalVariable>, Item>,
     /// What each named constant is.
-    pub(crate) constants: HashMap<Handle<naga::Constant>, Item>,
+    pub(crate) constants: FxHashMap<Handle<naga::Constant>, Item>,
     /// What each override is.
-    pub(crate) overrides: HashMap<Handle<naga::Override>, Item>,
+    pub(crate) overrides: FxHashMap<Handle<naga::Override>, Item>,
     /// The module's own functions.
-    pub(crate) own_functions: HashMap<String, Handle<Function>>,
+    pub(crate) own_functions: FxHashMap<String, Handle<Function>>,
     /// The module's own variables.
-    pub(crate) own_globals: HashMap<String, Handle<GlobalVariable>>,
+    pub(crate) own_globals: FxHashMap<String, Handle<GlobalVariable>>,
     /// The name that each type has where it is declared; the number is the type's index.
     pub(crate) type_names: Vec<Option<String>>,
     /// What each function does, by its index.
@@ -59,12 +60,12 @@ pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Re
             .cloned()
             .unwrap_or(Item { module, name })
     };
-    let functions: HashMap<_, _> = parsed
+    let functions: FxHashMap<_, _> = parsed
         .functions
         .iter()
         .map(|(handle, f)| (handle, item(&f.name)))
         .collect();
-    let globals: HashMap<_, _> = parsed
+    let globals: FxHashMap<_, _> = parsed
         .global_variables
         .iter()
         .map(|(handle, g)| (handle, item(&g.name)))
