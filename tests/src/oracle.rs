@@ -143,6 +143,12 @@ impl<'a> Oracle<'a> {
         let position = start + direction * hit.distance;
         let [a, b, c] = self.triangles[hit.triangle].corners;
         let normal = (b - a).cross(c - a).normalize();
+        // On the viewer's side, who stands at the origin.
+        let normal = if normal.dot(position) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
         let dark = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).1);
         let lit = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).0);
         Pixel::Term(dark, lit)

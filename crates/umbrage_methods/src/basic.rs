@@ -17,9 +17,9 @@
 //! (`plane`) or not (`constant`).
 //!
 //! With `plane`, each fetch is compared with the plane's depth a texel nearer to the light on both axes,
-//! which no texel of the plane's own exceeds. What `depth_bias` has to cover is the rasteriser, which
-//! moves vertices by up to 1/512 texel on each axis: at 89° to the normal, where the slope is 57, that
-//! is 57 · √2 / 512 = 0.16 texels. What else it has to cover is that a curved receiver is no plane: a
+//! which no texel of the plane's own exceeds; up to 87° between the light and the normal, where that is
+//! 19 texels' widths. What `depth_bias` has to cover is the rasteriser, which moves vertices on its own
+//! grid, 1/256 texel on most devices: at a slope of 19 that is 19 · √2 / 512 = 0.05 texels. What else it has to cover is that a curved receiver is no plane: a
 //! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
 //! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
 //! filter's width.
@@ -29,6 +29,10 @@
 //! cube, whose faces a wider fetch cannot cross.
 //!
 //! # Limits
+//! Receivers at more than 87° to the light are compared at their own depth plus `depth_bias`, and so may
+//! be mottled; they get a twentieth of the light at the most, and none if they are turned away. Up to there, what shades a receiver from
+//! less than two slopes' texels above it may be missed at its steep places.
+//!
 //! What is nearer to a spot or point light than 1e-5 of its range casts no shadow.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3};
@@ -192,9 +196,11 @@ impl Job {
         let rounding = seen
             .precision
             .max(Extent::PRECISION * seen.near.abs().max(seen.far.abs()));
+        let range = seen.far - seen.near;
         let shift = self.depth_bias * texel + 4.0 * rounding;
-        let bias = DVec2::new(shift / (seen.far - seen.near), 0.0);
-        self.map(&lens, &seen, beam.casters, bias)
+        let bias = DVec2::new(shift / range, 0.0);
+        let texel_depth = DVec2::new(texel / range, 0.0);
+        self.map(&lens, &seen, beam.casters, bias, texel_depth)
     }
 
     fn spot(&self, position: DVec3, direction: DVec3, angle: f64, range: f64) -> ShadowPlan {
@@ -213,11 +219,13 @@ impl Job {
         let beam = Beam::new(&lens, &seen.rect, floor, seen.far, &self.casters);
         seen.near = (seen.near.min(beam.near) * (1.0 - PADDING)).max(floor);
         let bias = self.perspective_bias(&lens, &seen, texel, nearest_receiver);
-        self.map(&lens, &seen, beam.casters, bias)
+        // A texel is `texel` · d wide at distance d, where depth is A + B / d and falls by B / d² a metre.
+        let texel_depth = texel * DVec2::new(-lens.depth_terms(seen.near, seen.far).x, 1.0);
+        self.map(&lens, &seen, beam.casters, bias, texel_depth)
     }
 
-    /// Every face is cleared in every frame; those in which no receiver is seen draw nothing. So
-    /// nothing from an earlier frame is left for a filter's outermost tap to find.
+    /// A face that no filter's tap can reach has no pass: `reached` widens each face by what a filter
+    /// reads beyond its edge.
     fn point(&self, position: DVec3, range: f64) -> ShadowPlan {
         let lenses = Lens::cube(position);
         let floor = NEAREST * range;
@@ -248,6 +256,7 @@ impl Job {
             .iter()
             .zip(beams)
             .enumerate()
+            .filter(|(layer, _)| seen[*layer].is_some())
             .map(|(layer, (lens, beam))| {
                 self.pass(
                     layer as u32,
@@ -292,7 +301,14 @@ impl Job {
     }
 
     /// The plan of one rectangular map.
-    fn map(&self, lens: &Lens, seen: &Extent, casters: Vec<usize>, bias: DVec2) -> ShadowPlan {
+    fn map(
+        &self,
+        lens: &Lens,
+        seen: &Extent,
+        casters: Vec<usize>,
+        bias: DVec2,
+        texel_depth: DVec2,
+    ) -> ShadowPlan {
         let clip = lens.matrix(&seen.rect, seen.near, seen.far);
         // Clip space to the map: u right, v down, both 0..1 after the division by w.
         let texture = DMat4::from_cols(
@@ -307,6 +323,7 @@ impl Job {
             world_to_map.as_mat4(),
             plane_to_map.as_mat4(),
             bias.as_vec2(),
+            texel_depth.as_vec2(),
         );
         let passes = vec![self.pass(0, clip, casters)];
         self.plan(TextureShape::D2, self.resolution, passes, constants)
@@ -316,7 +333,7 @@ impl Job {
     fn unshadowed(&self, shape: TextureShape) -> ShadowPlan {
         let constants = match shape {
             // w = 0: beside every map.
-            TextureShape::D2 => map_constants(Mat4::ZERO, Mat4::ZERO, Vec2::ZERO),
+            TextureShape::D2 => map_constants(Mat4::ZERO, Mat4::ZERO, Vec2::ZERO, Vec2::ZERO),
             // Depth 1: nothing is nearer.
             TextureShape::Cube => cube_constants(Vec3::ZERO, Vec2::ZERO, Vec2::X),
         };
@@ -381,11 +398,17 @@ impl Job {
 }
 
 /// The members of `BasicShadow` for a rectangular map.
-fn map_constants(world_to_map: Mat4, plane_to_map: Mat4, bias: Vec2) -> Constants {
+fn map_constants(
+    world_to_map: Mat4,
+    plane_to_map: Mat4,
+    bias: Vec2,
+    texel_depth: Vec2,
+) -> Constants {
     Constants::new()
         .with("world_to_map", Value::Mat4(world_to_map))
         .with("plane_to_map", Value::Mat4(plane_to_map))
         .with("bias", Value::Vec2(bias))
+        .with("texel_depth", Value::Vec2(texel_depth))
 }
 
 /// The members of `BasicShadow` for a cube.

@@ -10,6 +10,9 @@
 use glam::{DMat4, DVec2, DVec3, Mat4};
 use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
 
+/// The shader's constant of this name.
+const STEEPEST: f64 = 19.0;
+
 /// `calc_shadow` for one plan of [`crate::basic`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasicTwin {
@@ -27,6 +30,7 @@ enum Map {
     D2 {
         world_to_map: Mat4,
         plane_to_map: Mat4,
+        texel_depth: DVec2,
     },
     Cube {
         light_position: DVec3,
@@ -43,6 +47,7 @@ impl BasicTwin {
             Some(world_to_map) => Map::D2 {
                 world_to_map,
                 plane_to_map: matrix(constants, "plane_to_map")?,
+                texel_depth: pair(constants, "texel_depth")?,
             },
             None => {
                 let Value::Vec3(light_position) = constants.get("light_position")? else {
@@ -65,7 +70,7 @@ impl BasicTwin {
     }
 
     /// The shadow term at `position_ws` (metres, world axes, relative to the camera) on a plane with
-    /// the unit `normal` (either side; zero where unknown). `depth_at(layer, x, y)` is what the map
+    /// the unit `normal` (on the viewer's side; zero where unknown). `depth_at(layer, x, y)` is what the map
     /// holds.
     pub fn calc_shadow(
         &self,
@@ -82,6 +87,7 @@ impl BasicTwin {
             Map::D2 {
                 world_to_map,
                 plane_to_map,
+                texel_depth,
             } => {
                 let projected = world_to_map.as_dmat4() * position_ws.extend(1.0);
                 let at = projected.truncate() / projected.w;
@@ -92,7 +98,8 @@ impl BasicTwin {
                     return 1.0;
                 }
                 let plane = plane_to_map.as_dmat4() * normal.extend(-normal.dot(position_ws));
-                let slope = self.slope(plane.truncate());
+                let width = texel_depth.x + texel_depth.y * at.z;
+                let slope = self.slope(plane.truncate(), width);
                 self.filter_2d(at, slope, |x, y| depth_at(0, x, y))
             }
             Map::Cube {
@@ -102,14 +109,15 @@ impl BasicTwin {
         }
     }
 
-    fn slope(&self, plane: DVec3) -> DVec2 {
-        let steepest = DVec2::splat(f64::from(self.size));
-        let depth_part = if plane.z.abs() < 1e-30 {
-            1e-30
+    /// The plane's slope by u and v, where it is known, not too steep, and turned to the light; `width` is a texel's, as depth.
+    fn slope(&self, plane: DVec3, width: f64) -> DVec2 {
+        let per_texel = plane.truncate().length() / f64::from(self.size);
+        let toward = STEEPEST * width * plane.z;
+        if toward > 0.0 && per_texel <= toward {
+            -plane.truncate() / plane.z
         } else {
-            plane.z
-        };
-        (-plane.truncate() / depth_part).clamp(-steepest, steepest)
+            DVec2::ZERO
+        }
     }
 
     fn filter_2d(&self, at: DVec3, slope: DVec2, depth_at: impl Fn(u32, u32) -> f32) -> f64 {
@@ -173,13 +181,13 @@ impl BasicTwin {
         }
         let texel = 2.0 / f64::from(self.size);
         let height = normal.dot(offset);
-        let edge = 1e-6 * distance;
-        let tilt = normal
-            / if height >= 0.0 {
-                height.max(edge)
-            } else {
-                height.min(-edge)
-            };
+        let beside = (normal * (1.0 - axis)).length() * distance;
+        let followed = height < 0.0 && beside <= -STEEPEST * height;
+        let tilt = if followed {
+            normal / height
+        } else {
+            DVec3::ZERO
+        };
         let middle = 0.5 * f64::from(self.width - 1);
         let mut lit = 0.0;
         for j in 0..self.width {
