@@ -2,13 +2,14 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use umbrage::compose::{Cause, Composer, Error, Fault, Key, Location, Manifest, Target};
 
 use crate::{
@@ -24,7 +25,8 @@ use crate::{
 struct Report {
     /// How many keys the manifests have.
     keys: usize,
-    /// How many distinct permutations they make.
+    /// How many distinct permutations they make; one that manifests of the same packages and target share
+    /// counts once.
     permutations: usize,
     /// How many keys failed.
     failed: usize,
@@ -49,12 +51,20 @@ struct ReportedFault {
 /// What makes two findings the same fault.
 type Identity = (Cause, Vec<Location>, String);
 
+/// What manifests of the same packages and target share: a permutation is validated, and counted, once.
+struct Shared {
+    packages: BTreeMap<String, PathBuf>,
+    composer: Composer,
+    /// What each permutation came to.
+    outcomes: BTreeMap<Key, Option<Error>>,
+}
+
 /// All keys that were checked, and the faults found.
 #[derive(Default)]
 struct Findings {
     /// Each key of each manifest: the key, and the value of every axis.
     subjects: Vec<(Key, BTreeMap<String, String>)>,
-    permutations: usize,
+    shared: Vec<Shared>,
     /// Each fault, with the subjects that it was found in.
     faults: BTreeMap<Identity, (Fault, BTreeSet<usize>)>,
 }
@@ -67,7 +77,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
             Ok(manifest) => {
                 let target = target(args.target.as_deref().unwrap_or(manifest.target()))
                     .with_context(|| format!("{} cannot be checked", path.display()))?;
-                findings.examine(&manifest, target, several.then_some(path));
+                let packages = packages(path)?;
+                findings.examine(&manifest, packages, target, several.then_some(path));
             }
             Err(error) => findings.refuse(error, path)?,
         }
@@ -93,26 +104,79 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
     })
 }
 
-impl Findings {
-    /// Validates each permutation of `manifest` once. Where there are several manifests, `origin` tells
-    /// their keys apart, which may be equal without meaning the same.
-    fn examine(&mut self, manifest: &Manifest, target: Target, origin: Option<&PathBuf>) {
-        let composer = Composer::new(manifest.library().clone(), target);
-        let permutations = Permutations::of(&composer, manifest.keys());
-        self.permutations += permutations.keys.len();
-
-        let bar = progress("checking", permutations.keys.len());
-        let outcomes: Vec<_> = permutations
-            .keys
+impl Shared {
+    /// Composes those of `permutations` that were not composed before.
+    fn validate<'a>(&mut self, permutations: impl Iterator<Item = &'a Key>) {
+        let new: Vec<_> = permutations
+            .filter(|key| !self.outcomes.contains_key(key))
+            .cloned()
+            .collect();
+        let bar = progress("checking", new.len());
+        let composer = &self.composer;
+        let outcomes: Vec<_> = new
             .into_par_iter()
-            .map(|(projected, keys)| {
-                let outcome = composer.compose(&projected);
+            .map(|key| {
+                let outcome = composer.compose(&key);
                 bar.inc(1);
-                (keys, outcome.err())
+                (key, outcome.err())
             })
             .collect();
         bar.finish_and_clear();
+        self.outcomes.extend(outcomes);
+    }
+}
 
+/// The folders of the packages that the manifest at `path` names, however it writes their paths.
+fn packages(path: &Path) -> Result<BTreeMap<String, PathBuf>> {
+    /// What of a manifest is asked here; the rest was read before.
+    #[derive(Deserialize)]
+    struct Packages {
+        packages: BTreeMap<String, PathBuf>,
+    }
+    let unreadable = || format!("{} cannot be checked", path.display());
+    let text = fs::read_to_string(path).with_context(unreadable)?;
+    let manifest: Packages = ron::from_str(&text).with_context(unreadable)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    manifest
+        .packages
+        .into_iter()
+        .map(|(name, package)| Ok((name, fs::canonicalize(folder.join(package))?)))
+        .collect::<Result<_>>()
+        .with_context(unreadable)
+}
+
+impl Findings {
+    /// Validates each permutation of `manifest`, except where an earlier manifest of the same `packages`
+    /// and target had it. Where there are several manifests, `origin` tells their keys apart, which may be
+    /// equal without meaning the same.
+    fn examine(
+        &mut self,
+        manifest: &Manifest,
+        packages: BTreeMap<String, PathBuf>,
+        target: Target,
+        origin: Option<&PathBuf>,
+    ) {
+        let known = self
+            .shared
+            .iter()
+            .position(|shared| shared.packages == packages && *shared.composer.target() == target);
+        let known = known.unwrap_or_else(|| {
+            self.shared.push(Shared {
+                packages,
+                composer: Composer::new(manifest.library().clone(), target),
+                outcomes: BTreeMap::new(),
+            });
+            self.shared.len() - 1
+        });
+        let shared = &mut self.shared[known];
+        let permutations = Permutations::of(&shared.composer, manifest.keys());
+        shared.validate(permutations.keys.keys());
+
+        let outcomes: Vec<_> = permutations
+            .keys
+            .into_iter()
+            .map(|(projected, keys)| (keys, shared.outcomes.get(&projected).cloned().flatten()))
+            .collect();
         let faulty = permutations
             .faulty
             .into_iter()
@@ -196,7 +260,7 @@ impl Findings {
         };
         Report {
             keys: self.subjects.len(),
-            permutations: self.permutations,
+            permutations: self.shared.iter().map(|shared| shared.outcomes.len()).sum(),
             failed,
             faults: self.faults.into_values().map(reported).collect(),
         }

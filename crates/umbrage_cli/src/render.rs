@@ -40,9 +40,14 @@ struct Permutations<'a> {
 struct Used<'a> {
     key: String,
     from: &'static str,
-    /// The object that first needed it, and the light that it lay in.
+    /// The object that first needed it.
     object: &'a str,
+    /// The light that it was needed for, where one was: the light that the object lay in, or whose shadow
+    /// it was drawn for.
     light: Option<&'a str>,
+    /// Whether it draws casters.
+    #[serde(skip)]
+    caster: bool,
 }
 
 pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
@@ -122,6 +127,7 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
         },
         object: &used.object,
         light: used.light.as_deref(),
+        caster: used.key.get("pass") == Some("caster"),
     };
     Report {
         picture: &args.out,
@@ -140,9 +146,12 @@ fn tell(report: &Report<'_>) {
     for used in &report.permutations.used {
         let light = used
             .light
-            .map(|light| format!(" in the light of {light}"))
+            .map(|light| match used.caster {
+                true => format!(" for the shadow of {light}"),
+                false => format!(" in the light of {light}"),
+            })
             .unwrap_or_default();
-        eprintln!("{:6} {}, for {}{light}", used.from, used.key, used.object);
+        eprintln!("{:6} {}: {}{light}", used.from, used.key, used.object);
     }
     eprintln!(
         "{} was rendered on {} in {:.0} ms: {} permutations composed, {} from a cache",

@@ -53,6 +53,12 @@ fn no_adapter() {
     let output = umbrage_with(&["adapter"], &[("VK_DRIVER_FILES", "/nonexistent.json")]);
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(stdout(&output), "");
+    // These words are what xtask tells a machine without an adapter by.
+    assert!(
+        stderr(&output).contains("no Vulkan adapter was found"),
+        "{}",
+        stderr(&output)
+    );
     assert!(
         stderr(&output).contains("mesa-vulkan-drivers"),
         "{}",

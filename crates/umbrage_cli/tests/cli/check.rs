@@ -127,6 +127,42 @@ fn several_manifests_are_one_report() {
 }
 
 #[test]
+fn a_permutation_that_manifests_share_counts_once() {
+    let count = |manifests: &[&str], name: &str| {
+        let output = umbrage(&[&["check", "--json"], manifests].concat());
+        let report = json(&output);
+        report[name].as_u64().expect("a number")
+    };
+    let folder = faulty_package();
+    let (all, again, vulkan) = (
+        path_in(&folder, "all.ron"),
+        path_in(&folder, "below/again.ron"),
+        path_in(&folder, "vulkan.ron"),
+    );
+    write(
+        &folder,
+        "below/again.ron",
+        r#"(packages: { "pkg": "../pkg" }, keys: [{ "pass": ["main"], "light": All, "method": All }])"#,
+    );
+    write(
+        &folder,
+        "vulkan.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }], target: "vulkan")"#,
+    );
+    assert_eq!(count(&[&all], "permutations"), 3);
+    assert_eq!(count(&[&all, &again], "permutations"), 3);
+    assert_eq!(count(&[&again, &all], "keys"), 12);
+    assert_eq!(count(&[&again, &all], "failed"), 3);
+    // For another target it is another permutation, and so it is in other packages.
+    assert_eq!(count(&[&all, &vulkan], "permutations"), 4);
+    let other = faulty_package();
+    assert_eq!(
+        count(&[&all, &path_in(&other, "all.ron")], "permutations"),
+        6
+    );
+}
+
+#[test]
 fn equal_keys_of_several_manifests_may_differ() {
     let (folder, other) = (faulty_package(), faulty_package());
     write(

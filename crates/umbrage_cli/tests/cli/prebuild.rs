@@ -45,6 +45,7 @@ fn each_permutation_once_and_the_same_bytes_twice() {
     let index: Value = serde_json::from_slice(&files["index.json"]).expect("JSON");
     let permutations = index["permutations"].as_u64().expect("a number") as usize;
     assert_eq!(files.len(), 3 * permutations + 1);
+    assert_eq!(index["format"], "umbrage prebuild 1");
     for (key, entry) in index["keys"].as_object().expect("keys") {
         let file = |kind: &str| &files[entry[kind].as_str().expect("a name")];
         let wgsl = std::str::from_utf8(file("wgsl")).expect("UTF-8");
@@ -73,13 +74,67 @@ fn an_earlier_prebuild_is_replaced_and_nothing_else_is() {
     );
     let (manifest, out) = (path_in(&folder, "good.ron"), path_in(&folder, "out"));
     prebuild(&[&manifest], &out);
-    write(&folder, "out/stale.wgsl", "");
+    write(&folder, &format!("out/{:032x}.wgsl", 7), "");
     prebuild(&[&manifest], &out);
     assert_eq!(contents(Path::new(&out)).len(), 4);
 
     let said = refusal(&["prebuild", &manifest, "--out", &path_in(&folder, "pkg")]);
     assert!(said.contains("no prebuild"), "{said}");
     assert!(folder.path().join("pkg/axes.ron").is_file());
+}
+
+#[test]
+fn what_only_looks_like_a_prebuild_stays() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "good.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }])"#,
+    );
+    let (manifest, out) = (path_in(&folder, "good.ron"), path_in(&folder, "out"));
+    prebuild(&[&manifest], &out);
+    let index = fs::read_to_string(folder.path().join("out/index.json")).expect("an index");
+    let refused = |part: &str| {
+        let before = contents(Path::new(&out));
+        let said = refusal(&["prebuild", &manifest, "--out", &out]);
+        assert!(
+            said.contains("no prebuild") && said.contains("--out"),
+            "{said}"
+        );
+        assert!(said.contains(part), "{part}: {said}");
+        assert!(before == contents(Path::new(&out)), "{part}: files changed");
+    };
+    // Somebody's file among prebuild's own.
+    for name in [
+        "notes.txt",
+        "logo.json",
+        "0123456789ABCDEF0123456789ABCDEF.wgsl",
+    ] {
+        write(&folder, &format!("out/{name}"), "mine");
+        refused(name);
+        fs::remove_file(folder.path().join("out").join(name)).expect("removed");
+    }
+    fs::create_dir(folder.path().join(format!("out/{:032x}.spv", 7))).expect("a folder");
+    let said = refusal(&["prebuild", &manifest, "--out", &out]);
+    assert!(said.contains("no prebuild"), "{said}");
+    fs::remove_dir(folder.path().join(format!("out/{:032x}.spv", 7))).expect("removed");
+    // Somebody's index.
+    for (other, part) in [
+        ("{}".to_owned(), "index.json"),
+        (index.replacen('{', r#"{ "title": "my site","#, 1), "title"),
+        (
+            index.replace("umbrage prebuild 1", "umbrage prebuild 0"),
+            "prebuild 0",
+        ),
+        (index[..index.len() / 2].to_owned(), "index.json"),
+    ] {
+        write(&folder, "out/index.json", &other);
+        refused(part);
+    }
+    fs::remove_file(folder.path().join("out/index.json")).expect("removed");
+    refused("index.json");
+    write(&folder, "out/index.json", &index);
+    prebuild(&[&manifest], &out);
 }
 
 #[test]

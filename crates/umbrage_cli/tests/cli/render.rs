@@ -43,6 +43,26 @@ fn a_scene_becomes_a_picture() {
 }
 
 #[test]
+fn a_person_reads_what_each_permutation_was_for() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "a.png");
+    let output = umbrage(&["render", SCENE, "--size", "80x45", "--out", &out]);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let line = |pass: &str| said.lines().find(|line| line.contains(pass)).expect(pass);
+    // A caster lies in no light: it is drawn so that others do not.
+    assert!(
+        line("pass=caster").ends_with("for the shadow of sun"),
+        "{said}"
+    );
+    assert!(
+        line("pass=illumination").ends_with("in the light of sun"),
+        "{said}"
+    );
+    assert!(!line("pass=base").contains("sun"), "{said}");
+}
+
+#[test]
 fn what_and_method_change_the_picture() {
     let folder = TempDir::new().expect("a folder");
     let render = |name: &str, options: &[&str]| {
