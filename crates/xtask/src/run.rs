@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The workspace's root: all commands run here.
@@ -84,30 +84,41 @@ pub(crate) fn behind_spinner(what: &str, command: &mut Command) -> Result<Output
     spinning(what, || captured(command))
 }
 
+/// Runs `command` behind a spinner and keeps what it prints, whether or not it fails.
+pub(crate) fn output_behind_spinner(what: &str, command: &mut Command) -> Result<Output> {
+    spinning(what, || output(command))
+}
+
 /// Runs `command` and keeps what it prints; its words are in the error where it fails.
 pub(crate) fn captured(command: &mut Command) -> Result<Output> {
-    let line = shell_line(command);
-    let output = at_home(command)
-        .output()
-        .with_context(|| format!("`{line}` could not be started"))?;
+    let output = output(command)?;
     if !output.status.success() {
-        bail!(
-            "`{line}` failed ({}):\n{}{}",
-            output.status,
-            String::from_utf8_lossy(&output.stdout),
-            String::from_utf8_lossy(&output.stderr).trim_end(),
-        );
+        return Err(failure(command, &output));
     }
     Ok(output)
 }
 
+/// Says that `command` failed, and what it said.
+pub(crate) fn failure(command: &Command, output: &Output) -> Error {
+    anyhow!(
+        "`{}` failed ({}):\n{}{}",
+        shell_line(command),
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr).trim_end(),
+    )
+}
+
+fn output(command: &mut Command) -> Result<Output> {
+    let line = shell_line(command);
+    at_home(command)
+        .output()
+        .with_context(|| format!("`{line}` could not be started"))
+}
+
 /// `command` in the workspace's root, with no one to answer its questions.
 fn at_home(command: &mut Command) -> &mut Command {
-    // Mesa's layer that sorts devices for desktops prints an error wherever there is no desktop.
-    command
-        .current_dir(root())
-        .stdin(Stdio::null())
-        .env("NODEVICE_SELECT", "1")
+    command.current_dir(root()).stdin(Stdio::null())
 }
 
 /// Shows that `work` is going on, and for how long it has been.

@@ -1,23 +1,37 @@
-//! Set-up: a wgpu adapter, from Mesa's software Vulkan where the machine has none.
+//! Set-up: cargo's tools, and a wgpu adapter, from Mesa's software Vulkan where the machine has none.
 
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use crate::run::{behind_spinner, cargo, root, shell_line, umbrage, visibly};
+use crate::run::{
+    behind_spinner, cargo, failure, output_behind_spinner, root, shell_line, umbrage, visibly,
+};
 
 const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
+
+/// What `cargo xtask test` asks of cargo beyond building.
+const TOOLS: [&str; 2] = ["fmt", "clippy"];
 
 /// The test that passes where the command finds an adapter.
 const ADAPTER_TEST: &str = "arguments::the_adapter_has_a_name";
 
+/// What the command says, and the test repeats, where the machine has no adapter. Nothing else that may go
+/// wrong is helped by installing one. The command's test `no_adapter` holds it to these words.
+const NO_ADAPTER: &str = "no Vulkan adapter was found";
+
+/// What looking for an adapter comes to, where the looking itself does not fail.
+#[derive(Debug, PartialEq, Eq)]
+enum Adapter {
+    Found(String),
+    /// There is none; in the command's words.
+    None(String),
+}
+
 /// Builds the command and sees to it that the machine has an adapter.
 pub(crate) fn set_up_command() -> Result<()> {
     visibly(&mut cargo(&["build", "--bin", "umbrage"]))?;
-    ensure_adapter(|| {
-        let output = behind_spinner("looking for an adapter", &mut umbrage(&["adapter"]))?;
-        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    })
+    ensure_adapter(|| look(&mut umbrage(&["adapter"])))
 }
 
 /// Builds the tests and sees to it that the machine has an adapter.
@@ -27,33 +41,47 @@ pub(crate) fn set_up_command() -> Result<()> {
 pub(crate) fn set_up_tests() -> Result<()> {
     visibly(&mut cargo(&["test", "--no-run"]))?;
     ensure_adapter(|| {
-        let mut test = cargo(&[
-            "test",
-            "--quiet",
-            "--test",
-            "cli",
-            "--",
-            "--exact",
-            ADAPTER_TEST,
-        ]);
-        let output = behind_spinner("looking for an adapter", &mut test)?;
-        if !String::from_utf8_lossy(&output.stdout).contains("1 passed") {
-            bail!(
+        let args = ["test", "--quiet", "--test", "cli", "--", "--exact"];
+        let mut test = cargo(&args);
+        match look(test.arg(ADAPTER_TEST))? {
+            Adapter::Found(said) if !said.contains("1 passed") => bail!(
                 "there is no test {ADAPTER_TEST} any more; name its successor in xtask's setup.rs"
-            );
+            ),
+            Adapter::Found(_) => Ok(Adapter::Found("found".to_owned())),
+            none => Ok(none),
         }
-        Ok("found".to_owned())
     })
 }
 
-/// Installs Mesa's software Vulkan where `adapter` fails.
-fn ensure_adapter(adapter: impl Fn() -> Result<String>) -> Result<()> {
-    match adapter() {
-        Ok(adapter) => {
+/// Runs `probe`, which succeeds where there is an adapter.
+fn look(probe: &mut Command) -> Result<Adapter> {
+    let output = output_behind_spinner("looking for an adapter", probe)?;
+    let (out, err) = (
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr),
+    );
+    if output.status.success() {
+        return Ok(Adapter::Found(out.trim().to_owned()));
+    }
+    // Without an exit status of its own it crashed, whatever it said before.
+    let none = [&err, &out]
+        .into_iter()
+        .flat_map(|text| text.lines())
+        .find(|line| output.status.code().is_some() && line.contains(NO_ADAPTER));
+    match none {
+        Some(line) => Ok(Adapter::None(line.trim().to_owned())),
+        None => Err(failure(probe, &output)).context("whether there is an adapter cannot be told"),
+    }
+}
+
+/// Installs Mesa's software Vulkan where `look` finds no adapter.
+fn ensure_adapter(look: impl Fn() -> Result<Adapter>) -> Result<()> {
+    match look()? {
+        Adapter::Found(adapter) => {
             eprintln!("adapter: {adapter}");
             return Ok(());
         }
-        Err(reason) => eprintln!("{reason:#}"),
+        Adapter::None(reason) => eprintln!("{reason}"),
     }
     let commands = install_commands();
     let script = commands
@@ -78,10 +106,49 @@ fn ensure_adapter(adapter: impl Fn() -> Result<String>) -> Result<()> {
         let what = shell_line(&command);
         behind_spinner(&what, &mut command)?;
     }
-    let adapter =
-        adapter().context("Mesa's software Vulkan was installed, but there is still no adapter")?;
-    eprintln!("adapter: {adapter}");
+    match look()? {
+        Adapter::Found(adapter) => eprintln!("adapter: {adapter}"),
+        Adapter::None(reason) => {
+            bail!("Mesa's software Vulkan was installed, but there is still no adapter: {reason}")
+        }
+    }
     Ok(())
+}
+
+/// Sees to it that cargo can format and lint: some installations of Rust come without.
+pub(crate) fn set_up_tools() -> Result<()> {
+    ensure_tools(
+        || TOOLS.into_iter().all(has_tool),
+        runs("rustup", &["--version"]).then_some(|| {
+            let mut rustup = Command::new("rustup");
+            visibly(rustup.args(["component", "add", "rustfmt", "clippy"]))
+        }),
+    )
+}
+
+fn ensure_tools(
+    complete: impl Fn() -> bool,
+    rustup: Option<impl FnOnce() -> Result<()>>,
+) -> Result<()> {
+    if complete() {
+        return Ok(());
+    }
+    if let Some(add) = rustup {
+        add()?;
+    }
+    if !complete() {
+        bail!(
+            "`cargo fmt` or `cargo clippy` does not run. Install both and run this again:\n    \
+             rustup component add rustfmt clippy          (Rust from rustup)\n    \
+             apt-get install --yes rustfmt rust-clippy    (Debian's Rust, as root)"
+        );
+    }
+    Ok(())
+}
+
+fn has_tool(tool: &str) -> bool {
+    let mut version = cargo(&[tool, "--version"]);
+    succeeds(&mut version)
 }
 
 fn install_commands() -> Vec<Command> {
@@ -98,8 +165,16 @@ fn install_commands() -> Vec<Command> {
 }
 
 fn has_apt() -> bool {
-    Command::new("apt-get")
-        .arg("--version")
+    runs("apt-get", &["--version"])
+}
+
+fn runs(program: &str, args: &[&str]) -> bool {
+    succeeds(Command::new(program).args(args))
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    command
+        .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .current_dir(root())
@@ -114,7 +189,77 @@ fn is_root() -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
+
+    fn probe(script: &str) -> Result<Adapter> {
+        look(Command::new("sh").args(["-c", script]))
+    }
+
+    #[test]
+    fn an_adapter_is_found_or_not() {
+        let found = probe("echo llvmpipe").expect("found");
+        assert_eq!(found, Adapter::Found("llvmpipe".to_owned()));
+        for script in [
+            "echo 'error: no Vulkan adapter was found (vulkan: gone)' >&2; exit 2",
+            // A failed test's words come on standard output.
+            "echo failures:; echo 'error: no Vulkan adapter was found (vulkan: gone)'; exit 101",
+        ] {
+            let none = probe(script).expect("none");
+            let reason = "error: no Vulkan adapter was found (vulkan: gone)";
+            assert_eq!(none, Adapter::None(reason.to_owned()));
+        }
+    }
+
+    #[test]
+    fn what_fails_is_not_taken_for_no_adapter() {
+        for (script, part) in [
+            (
+                "echo 'error[E0308]: mismatched types' >&2; exit 101",
+                "E0308",
+            ),
+            ("kill -SEGV $$", "signal"),
+            (
+                "echo 'no Vulkan adapter was found'; kill -ABRT $$",
+                "signal",
+            ),
+        ] {
+            let said = format!("{:#}", probe(script).expect_err(script));
+            assert!(said.contains("sh -c") && said.contains(part), "{said}");
+            let error = ensure_adapter(|| probe(script)).expect_err("nothing is installed");
+            assert!(format!("{error:#}").contains(part), "{error:#}");
+        }
+    }
+
+    #[test]
+    fn tools_come_from_rustup_or_are_asked_for() {
+        let (there, added) = (Cell::new(true), Cell::new(0));
+        let add = || {
+            added.set(added.get() + 1);
+            there.set(true);
+            Ok(())
+        };
+        ensure_tools(|| there.get(), Some(add)).expect("nothing to do");
+        assert_eq!(added.get(), 0);
+        there.set(false);
+        ensure_tools(|| there.get(), Some(add)).expect("added");
+        assert_eq!(added.get(), 1);
+        there.set(false);
+        for rustup in [None, Some(|| Ok(()))] {
+            let said = ensure_tools(|| there.get(), rustup).expect_err("missing");
+            let said = said.to_string();
+            assert!(
+                said.contains("rustup component add rustfmt clippy"),
+                "{said}"
+            );
+            assert!(
+                said.contains("apt-get install --yes rustfmt rust-clippy"),
+                "{said}"
+            );
+        }
+        assert!(!has_tool("no-such-tool"));
+    }
 
     #[test]
     fn the_commands_ask_nothing() {
