@@ -110,8 +110,11 @@ impl Gpu {
         let done = work();
         let mut found = None;
         for scope in scopes.into_iter().rev() {
-            let error = block_on(scope.pop());
-            found = found.or(error);
+            // What was made without memory is refused when used: the want of memory is the cause.
+            found = match block_on(scope.pop()) {
+                Some(error @ wgpu::Error::OutOfMemory { .. }) => Some(error),
+                error => found.or(error),
+            };
         }
         let stray = std::mem::take(&mut *self.stray.lock().unwrap_or_else(PoisonError::into_inner));
         match (found, stray.into_iter().next()) {

@@ -13,6 +13,12 @@ pub enum PackError {
         /// The member.
         member: String,
     },
+    /// A value is NaN or infinite: no picture comes of it.
+    #[error("the value for the shader's `{member}` is not finite")]
+    NotFinite {
+        /// The member.
+        member: String,
+    },
     /// A value is of another type than the member.
     #[error("the shader's `{member}` is {expected}, but the value given for it is {found}")]
     Mismatch {
@@ -29,7 +35,7 @@ pub enum PackError {
 /// Values that no member reads are left out.
 ///
 /// # Errors
-/// A member without a value, or with one of another type.
+/// A member without a value, or with one that is not finite or of another type.
 pub fn pack(layout: &Layout, constants: &Constants) -> Result<Vec<u8>, PackError> {
     let mut bytes = vec![0; layout.size as usize];
     for member in &layout.members {
@@ -37,6 +43,11 @@ pub fn pack(layout: &Layout, constants: &Constants) -> Result<Vec<u8>, PackError
         let value = constants.get(name).ok_or_else(|| PackError::Missing {
             member: name.clone(),
         })?;
+        if !value.is_finite() {
+            return Err(PackError::NotFinite {
+                member: name.clone(),
+            });
+        }
         put(&mut bytes, member.offset as usize, &member.ty, value).ok_or_else(|| {
             PackError::Mismatch {
                 member: name.clone(),
@@ -170,6 +181,15 @@ mod tests {
             .with("range", Value::F32(4.0))
             .with("direction", Value::Vec3(Vec3::new(1.0, 2.0, 3.0)))
             .with("offsets", Value::Array(offsets))
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        let constants = Constants::new().with("range", Value::F32(f32::NAN));
+        let constants = constants.with("direction", Value::Vec3(Vec3::ONE));
+        let refused = pack(&layout(), &constants).expect_err("NaN is no range");
+        let member = "range".to_owned();
+        assert_eq!(refused, PackError::NotFinite { member });
     }
 
     #[test]

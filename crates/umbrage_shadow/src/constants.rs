@@ -21,6 +21,21 @@ pub enum Value {
     Array(Vec<Value>),
 }
 
+impl Value {
+    /// Whether every number in it is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::F32(value) => value.is_finite(),
+            Self::U32(_) => true,
+            Self::Vec2(value) => value.is_finite(),
+            Self::Vec3(value) => value.is_finite(),
+            Self::Vec4(value) => value.is_finite(),
+            Self::Mat4(value) => value.is_finite(),
+            Self::Array(values) => values.iter().all(Self::is_finite),
+        }
+    }
+}
+
 /// Values by the name of the member that reads them. The renderer places each at the offset that the
 /// linked shader gives it; a value that this permutation does not read is left out, and a member
 /// without a value is an error.

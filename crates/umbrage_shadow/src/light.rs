@@ -75,11 +75,13 @@ impl Light {
                     outer_angle,
                     "above 0 and below π/2",
                 )?;
+                // The light fades between the two angles' cosines, which f32 must tell apart.
+                let apart = inner_angle.cos() - outer_angle.cos() > 4.0 * f64::from(f32::EPSILON);
                 PlanError::check(
-                    inner_angle >= 0.0 && inner_angle <= outer_angle,
+                    inner_angle >= 0.0 && inner_angle < outer_angle && apart,
                     "the light's inner angle",
                     inner_angle,
-                    "from 0 to the outer angle",
+                    "from 0 to less than the outer angle, by as much as an f32 cosine tells",
                 )
             }
             LightKind::Point { position, range } => check_place(position, range),

@@ -256,9 +256,10 @@ impl Renderer {
                 self.shadow(frame, shot, light, &lit)?
             };
             let constants = lights::constants(&light.source.light, shot.view.position);
-            let inputs = |reads, state| PassInputs {
+            // What the light does not reach is drawn for no light's sake.
+            let inputs = |reads: Option<_>, state| PassInputs {
                 pass: "shadow_term",
-                cause: Some(&light.source.name),
+                cause: reads.is_some().then_some(light.source.name.as_str()),
                 view_proj: shot.view_proj,
                 ambient: Vec3::ZERO,
                 light: reads,

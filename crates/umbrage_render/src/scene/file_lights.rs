@@ -119,7 +119,7 @@ impl Loader<'_> {
                     }
                 };
                 let outer =
-                    self.number(format!("{place}.outer_degrees"), outer_degrees, 0.01..=89.0)?;
+                    self.number(format!("{place}.outer_degrees"), outer_degrees, 1.0..=89.0)?;
                 let inner = inner_degrees.unwrap_or(0.8 * outer);
                 // The light fades between the two: there must be something between them.
                 self.number(format!("{place}.inner_degrees"), inner, 0.0..=0.999 * outer)?;

@@ -29,7 +29,7 @@ pub struct Scene {
     pub lights: Vec<SceneLight>,
     /// Who looks.
     pub camera: Camera,
-    /// Irradiance from everywhere, linear RGB.
+    /// Light from everywhere, as the radiance of a white surface in it; linear RGB.
     pub ambient: Vec3,
     /// What is seen where there is nothing, linear RGB.
     pub background: Vec3,
