@@ -127,31 +127,44 @@ impl<'a> Oracle<'a> {
 
     /// What the pixel in column `x` and row `y` of `width` × `height` sees.
     pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32) -> Pixel {
-        let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
-        let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
-        let (start, direction) = ray(self.view.view_proj_relative(), ndc);
-        let eye = self.view.position;
-        let Some(hit) = self.cast(eye + start, direction) else {
-            return Pixel::Background;
+        let (position, normal) = match self.receiver(x, y, width, height) {
+            Ok(receiver) => receiver,
+            Err(none) => return none,
         };
-        if hit.margin < 0.02 {
-            return Pixel::Edge;
-        }
         let Some(twin) = &self.twin else {
             return Pixel::Term(1.0, 1.0);
-        };
-        let position = start + direction * hit.distance;
-        let [a, b, c] = self.triangles[hit.triangle].corners;
-        let normal = (b - a).cross(c - a).normalize();
-        // On the viewer's side, who stands at the origin.
-        let normal = if normal.dot(position) > 0.0 {
-            -normal
-        } else {
-            normal
         };
         let dark = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).1);
         let lit = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).0);
         Pixel::Term(dark, lit)
+    }
+
+    /// Where the pixel sees a surface (metres, relative to the camera), and the surface's unit normal on
+    /// the viewer's side.
+    ///
+    /// # Errors
+    /// What it sees where that is no surface for sure.
+    pub fn receiver(
+        &self,
+        x: u32,
+        y: u32,
+        width: u32,
+        height: u32,
+    ) -> Result<(DVec3, DVec3), Pixel> {
+        let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
+        let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
+        let (start, direction) = ray(self.view.view_proj_relative(), ndc);
+        let hit = self.cast(self.view.position + start, direction);
+        let hit = hit.ok_or(Pixel::Background)?;
+        if hit.margin < 0.02 {
+            return Err(Pixel::Edge);
+        }
+        let position = start + direction * hit.distance;
+        let [a, b, c] = self.triangles[hit.triangle].corners;
+        let normal = (b - a).cross(c - a).normalize();
+        // The viewer stands at the origin.
+        let away = normal.dot(position) > 0.0;
+        Ok((position, if away { -normal } else { normal }))
     }
 
     /// The least and the greatest depth that a texel of the shadow map may hold.
