@@ -14,7 +14,7 @@ use crate::{
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, dependencies, project},
-    unit::{Unit, parse},
+    unit::{Refusal, Unit, parse},
 };
 
 /// Composes permutations of a library for a target, and keeps what it has made.
@@ -38,7 +38,7 @@ pub struct Composer {
 struct Entry {
     prepared: Arc<Prepared>,
     /// Shared by entries of the same text.
-    unit: Arc<OnceLock<Result<Arc<Unit>, Fault>>>,
+    unit: Arc<OnceLock<Result<Arc<Unit>, Refusal>>>,
 }
 
 /// A permutation, and how it was come by.
@@ -281,11 +281,28 @@ impl Modules for WithFeatures<'_> {
 
 impl Units for WithFeatures<'_> {
     fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+        let mut refusal = match self.parsed(module)? {
+            Ok(unit) => return Ok(unit),
+            Err(refusal) => refusal,
+        };
+        // A fault in what a module takes from another is told in the other, where its author sees it.
+        let mut seen = vec![module];
+        while let Some(blamed) = refusal.blamed.filter(|blamed| !seen.contains(blamed)) {
+            seen.push(blamed);
+            match self.parsed(blamed)? {
+                Ok(_) => break,
+                Err(own) => refusal = own,
+            }
+        }
+        Err(refusal.fault)
+    }
+}
+
+impl WithFeatures<'_> {
+    fn parsed(&self, module: usize) -> Result<Result<Arc<Unit>, Refusal>, Fault> {
         let entry = self.composer.entry(module, self.enabled)?;
         let library = &self.composer.library;
-        entry
-            .unit
-            .get_or_init(|| parse(library, module, &entry.prepared).map(Arc::new))
-            .clone()
+        let parsed = || parse(library, module, &entry.prepared).map(Arc::new);
+        Ok(entry.unit.get_or_init(parsed).clone())
     }
 }

@@ -71,6 +71,7 @@ mod features;
 mod interface;
 mod key;
 mod library;
+mod limits;
 mod link;
 mod link_file;
 mod manifest;

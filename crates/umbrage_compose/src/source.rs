@@ -8,10 +8,7 @@ use wgsl_parse::{
     syntax::TranslationUnit,
 };
 
-use crate::{Cause, Fault, error::Place};
-
-/// Brackets nested deeper than this are refused: parsers and drops of syntax trees recurse.
-const DEEPEST_NESTING: usize = 200;
+use crate::{Cause, Fault, error::Place, limits};
 
 /// A module's text.
 #[derive(Debug)]
@@ -101,7 +98,11 @@ impl Source {
     }
 
     fn tokens(&self) -> Result<Vec<(Token, Range<usize>)>, Fault> {
-        self.check_nesting()?;
+        limits::check(&self.text).map_err(|(message, range)| {
+            Fault::new(Cause::Syntax, message)
+                .at(self.place(range))
+                .note("name inner parts with `let`, or move them into functions and modules")
+        })?;
         let mut tokens = Vec::new();
         let mut end_of_last = 0;
         for token in Lexer::new(&self.text) {
@@ -141,34 +142,6 @@ impl Source {
                 )
             }
         }
-    }
-
-    fn check_nesting(&self) -> Result<(), Fault> {
-        let mut depth = 0usize;
-        let mut prefixes = 0usize;
-        for (index, byte) in self.text.bytes().enumerate() {
-            match byte {
-                b'(' | b'[' | b'{' | b'<' => depth += 1,
-                // `<` may be less-than: statements end what it opened.
-                b')' | b']' | b'}' | b'>' => depth = depth.saturating_sub(1),
-                b';' => depth = depth.min(DEEPEST_NESTING / 2),
-                _ => {}
-            }
-            match byte {
-                b'!' | b'-' | b'~' | b'&' | b'*' => prefixes += 1,
-                byte if byte.is_ascii_whitespace() => {}
-                _ => prefixes = 0,
-            }
-            // A row of stars or dashes in a comment is no expression.
-            let comment = prefixes > DEEPEST_NESTING && self.in_comment(index);
-            if depth > DEEPEST_NESTING || (prefixes > DEEPEST_NESTING && !comment) {
-                let message = format!("nested more than {DEEPEST_NESTING} deep");
-                return Err(Fault::new(Cause::Syntax, message)
-                    .at(self.place(index..index + 1))
-                    .note("name the inner parts with `let`, or move them into functions"));
-            }
-        }
-        Ok(())
     }
 
     fn in_comment(&self, index: usize) -> bool {

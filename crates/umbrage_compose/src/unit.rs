@@ -46,8 +46,20 @@ pub(crate) struct Facts {
     pub(crate) acts: bool,
 }
 
+/// Why naga refused a module: the fault, and the module whose declaration is to blame, where that is
+/// another one.
+#[derive(Clone, Debug)]
+pub(crate) struct Refusal {
+    pub(crate) fault: Fault,
+    pub(crate) blamed: Option<usize>,
+}
+
 /// Has naga parse `prepared`.
-pub(crate) fn parse(library: &Library, module: usize, prepared: &Prepared) -> Result<Unit, Fault> {
+pub(crate) fn parse(
+    library: &Library,
+    module: usize,
+    prepared: &Prepared,
+) -> Result<Unit, Refusal> {
     let parsed = naga::front::wgsl::parse_str(&prepared.text)
         .map_err(|error| parse_fault(library, module, prepared, &error))?;
     let source = library.source(module);
@@ -299,7 +311,7 @@ fn parse_fault(
     module: usize,
     prepared: &Prepared,
     error: &naga::front::wgsl::ParseError,
-) -> Fault {
+) -> Refusal {
     let source = library.source(module);
     let plain = |text: &str| text.replace(JOINT, "::");
     let message = plain(error.message());
@@ -315,8 +327,9 @@ fn parse_fault(
             fault = fault.at(source.place_labelled(range, plain(label)));
         }
     }
+    let mut blamed = None;
     if fault.locations.is_empty() {
-        // The fault lies in a stand-in: what it stands for is to blame, or the import of it.
+        // The fault lies in a stand-in: what it stands for is to blame.
         let stub = error.labels().next().and_then(|(span, _)| span.to_range());
         let line = stub.and_then(|range| {
             let text = &prepared.text;
@@ -325,6 +338,10 @@ fn parse_fault(
         });
         fault = fault.at(source.place(0..0));
         if let Some(line) = line {
+            let mut words = line.split(|c: char| c.is_whitespace() || "(:<>={;,".contains(c));
+            blamed = words
+                .find_map(|word| prepared.stubs.items.get(word))
+                .map(|item| item.module);
             fault = fault.note(format!("in what it imports: {}", plain(line)));
         }
     }
@@ -356,5 +373,5 @@ fn parse_fault(
             ));
         }
     }
-    fault
+    Refusal { fault, blamed }
 }

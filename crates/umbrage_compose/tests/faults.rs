@@ -78,6 +78,12 @@ faults! {
     syntax_reserved_word, PLAIN, [("main.wesl", "fn a() {\n    let class = 1;\n}\n")];
     syntax_stray_token, PLAIN, [("main.wesl", "fn a() {\n    let b = 1 $ 2;\n}\n")];
     syntax_too_deep, PLAIN, [("main.wesl", &format!("const A = {}1{};\n", "(".repeat(300), ")".repeat(300)))];
+    limit_alternatives, PLAIN, [("main.wesl", &format!("fn a(x: f32) {{\n    if x > 0.0 {{}}\n{}}}\n", "    else if x > 1.0 {}\n".repeat(600)))];
+    limit_templates, PLAIN, [("main.wesl", &format!("alias T = {}f32{};\n", "array<".repeat(30), ", 2>".repeat(30)))];
+    limit_operators, PLAIN, [("main.wesl", &format!("const A = 1{};\n", " + 1".repeat(600)))];
+    limit_conditions, PLAIN, [("main.wesl", &format!("@if(FOG{})\nconst A = 1;\n", " && FOG".repeat(600)))];
+    limit_exponent, PLAIN, [("main.wesl", "const A = 0x1.fp+99999999999999;\n")];
+    limit_member, PLAIN, [("main.wesl", "struct S {\n    @size(4294967295) a: f32,\n}\n")];
     condition_unknown_feature, PLAIN, [("main.wesl", "@if(FOGG)\nconst A = 1;\n")];
     condition_not_boolean, PLAIN, [("main.wesl", "@if(FOG + 1)\nconst A = 1;\n")];
     condition_else_without_if, PLAIN, [("main.wesl", "const A = 1;\n@else\nconst B = 1;\n")];
@@ -121,6 +127,10 @@ faults! {
     type_wrong_argument, MINE, [("mine.wesl", "fn calc_shadow(position_ws: vec3f) -> f32 {\n    return half(position_ws);\n}\nfn half(value: f32) -> f32 {\n    return value * 0.5;\n}\n")];
     type_wrong_return, MINE, [("mine.wesl", "fn calc_shadow(position_ws: vec3f) -> f32 {\n    let depth = position_ws;\n    return depth;\n}\n")];
     type_unknown_member, PLAIN, [("main.wesl", "@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(vec3f().w);\n}\n")];
+type_in_an_imported_declaration, PLAIN, [
+        ("main.wesl", "import package::a::Light;\n@fragment fn fs_main() -> @location(0) vec4f {\n    var light: Light;\n    return vec4f(light.power);\n}\n"),
+        ("a.wesl", "// A light.\nstruct Light {\n    power: f33,\n}\n"),
+    ];
     type_of_imported_struct, PLAIN, [
         ("main.wesl", "import package::light::Light;\n@fragment fn fs_main() -> @location(0) vec4f {\n    var light: Light;\n    return vec4f(light.colour, 1.0);\n}\n"),
         ("light.wesl", "struct Light {\n    color: vec3f,\n}\n"),
