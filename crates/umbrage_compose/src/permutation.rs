@@ -1,7 +1,10 @@
 //! Permutations: linked, validated, and reflected.
 
+use std::borrow::Cow;
+
 use naga::{
     Module, Statement, WithSpan,
+    back::{PipelineConstants, pipeline_constants::process_overrides},
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
@@ -51,6 +54,17 @@ impl Permutation {
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
+        if wgsl::has_sizes_of_overrides(&self.module) {
+            let message = "cannot be said in WGSL: an array's size is an override";
+            let fault = Fault::new(Cause::Validation, message).key(&self.key);
+            return Err(fault.note("give the array a constant's size").into());
+        }
+        if !wgsl::can_say_overrides(&self.module) {
+            let (mut module, info) = self.with_overrides_resolved("WGSL")?;
+            // Each is a constant of the same name now.
+            module.to_mut().overrides = naga::Arena::new();
+            return wgsl::write(&module, &info).map_err(|error| self.unwritable("WGSL", &error));
+        }
         wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
     }
 
@@ -65,8 +79,22 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        naga::back::spv::write_vec(&self.module, &self.info, &options, None)
+        let (module, info) = self.with_overrides_resolved("SPIR-V")?;
+        naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
+    }
+
+    /// The module with every override at its default.
+    fn with_overrides_resolved(
+        &self,
+        language: &str,
+    ) -> Result<(Cow<'_, Module>, Cow<'_, ModuleInfo>), Error> {
+        let constants = PipelineConstants::default();
+        process_overrides(&self.module, &self.info, None, &constants).map_err(|error| {
+            let advice = "overrides are written at their defaults: give each one a valid default";
+            let faults = self.unwritable(language, &error).into_faults();
+            Error::all(faults.into_iter().map(|fault| fault.note(advice)).collect())
+        })
     }
 
     fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {

@@ -37,7 +37,87 @@ pub(crate) fn write(module: &Module, info: &ModuleInfo) -> Result<String, naga::
         }
         out.push_str(line);
     }
-    Ok(out)
+    Ok(with_own_names(module, out))
+}
+
+/// Whether an array's size is an override, for which the writer has no words.
+pub(crate) fn has_sizes_of_overrides(module: &Module) -> bool {
+    module.types.iter().any(|(_, ty)| match ty.inner {
+        TypeInner::Array { size, .. } | TypeInner::BindingArray { size, .. } => {
+            matches!(size, naga::ArraySize::Pending(_))
+        }
+        _ => false,
+    })
+}
+
+/// Whether the writer can say the module's overrides: it knows values, but neither expressions of other
+/// overrides nor workgroups' sizes that depend on them.
+pub(crate) fn can_say_overrides(module: &Module) -> bool {
+    let derived =
+        |expression: &naga::Expression| matches!(expression, naga::Expression::Override(_));
+    let sized = |entry: &naga::EntryPoint| {
+        let sizes = entry.workgroup_size_overrides.iter().flatten();
+        sizes.flatten().next().is_some()
+    };
+    !module
+        .global_expressions
+        .iter()
+        .any(|(_, expression)| derived(expression))
+        && !module.entry_points.iter().any(sized)
+}
+
+/// Gives entry points and overrides the names that a host knows them by: the writer adds `_` to a name
+/// that ends in a digit, and numbers one that something else has, too.
+fn with_own_names(module: &Module, text: String) -> String {
+    let mut entries = module.entry_points.iter().map(|entry| entry.name.as_str());
+    let named = module
+        .overrides
+        .iter()
+        .filter(|(_, item)| item.id.is_none());
+    let mut overrides = named.filter_map(|(_, item)| item.name.as_deref());
+    let mut renames = Vec::new();
+    let mut stage = false;
+    for line in text.lines() {
+        // Both come in the module's order, a stage's attribute on a line of its own.
+        let (written, own) = if let Some(rest) = line.strip_prefix("override ") {
+            (rest.split(':').next(), overrides.next())
+        } else if stage && line.starts_with("fn ") {
+            (line["fn ".len()..].split('(').next(), entries.next())
+        } else {
+            stage = ["@vertex", "@fragment", "@compute"]
+                .iter()
+                .any(|s| line.starts_with(s));
+            continue;
+        };
+        stage = false;
+        if let (Some(written), Some(own)) = (written, own)
+            && written != own
+        {
+            renames.push((written.to_owned(), own));
+        }
+    }
+    renames.into_iter().fold(text, |text, (written, own)| {
+        // What has the name already makes way.
+        let text = replace_word(&text, own, &format!("{own}_other"));
+        replace_word(&text, &written, own)
+    })
+}
+
+fn replace_word(text: &str, word: &str, with: &str) -> String {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    let mut out = String::with_capacity(text.len());
+    let mut from = 0;
+    for (at, _) in text.match_indices(word) {
+        let whole = !text[..at].ends_with(part) && !text[at + word.len()..].starts_with(part);
+        // A member keeps its name.
+        if at >= from && whole && !text[..at].ends_with('.') {
+            out.push_str(&text[from..at]);
+            out.push_str(with);
+            from = at + word.len();
+        }
+    }
+    out.push_str(&text[from..]);
+    out
 }
 
 fn is_predeclared(module: &Module, handle: Handle<Type>) -> bool {

@@ -176,6 +176,52 @@ fn a_local_shadows_an_import() {
     agree(&with_main(main), &[], "5u");
 }
 
+/// The linked text of one file.
+fn linked(text: &str) -> String {
+    let dir = tempfile::tempdir().expect("a folder");
+    let main = dir.path().join("main.wesl");
+    fs::write(&main, text).expect("a file");
+    let linked = link_file(&main, None, &[], &[], Target::webgpu());
+    let linked = linked.unwrap_or_else(|error| panic!("{error}"));
+    let wgsl = linked.wgsl().unwrap_or_else(|error| panic!("{error}"));
+    naga::front::wgsl::parse_str(&wgsl).unwrap_or_else(|error| panic!("{error}\n{wgsl}"));
+    linked.spirv().unwrap_or_else(|error| panic!("{error}"));
+    wgsl
+}
+
+/// A host finds entry points and overrides by their names.
+#[test]
+fn names_that_a_host_knows() {
+    let text = linked(
+        "override scale1: f32 = 2.0;\nfn fs() -> f32 { return scale1; }\n\
+         @fragment fn fs1() -> @location(0) vec4f { return vec4f(fs()); }\n\
+         @vertex fn vs_2() -> @builtin(position) vec4f { return vec4f(); }\n",
+    );
+    assert!(text.contains("override scale1: f32"), "{text}");
+    assert!(
+        text.contains("fn fs1(") && text.contains("fn vs_2(") && text.contains("fn fs("),
+        "{text}"
+    );
+}
+
+/// What depends on overrides is written at their defaults, where WGSL's writer has no words for it.
+#[test]
+fn overrides() {
+    let shader = |body: &str| format!("override O: f32 = 2.0;\noverride N: u32 = 3u;\n{body}\n");
+    let fragment = "@fragment fn fs() -> @location(0) vec4f { return vec4f(R); }";
+    for derived in ["O * 2.0", "-O", "max(O, 1.0)", "O"] {
+        linked(&shader(&format!(
+            "override R: f32 = {derived};\n{fragment}"
+        )));
+    }
+    linked(&shader(&format!(
+        "var<private> R: f32 = O + 1.0;\n{fragment}"
+    )));
+    let sized = "var<workgroup> R: f32;\n@compute @workgroup_size(N) fn cs() { R = O; }";
+    let text = linked(&shader(sized));
+    assert!(text.contains("@workgroup_size(3, 1, 1)"), "{text}");
+}
+
 /// A struct lies in the linked text as its author asked.
 #[test]
 fn sizes_and_alignments() {
