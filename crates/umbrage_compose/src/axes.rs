@@ -281,6 +281,7 @@ fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AxesFile {
+    #[serde(deserialize_with = "ron_text::unique")]
     axes: BTreeMap<String, AxisFile>,
     #[serde(default)]
     rules: Vec<RuleFile>,
@@ -293,6 +294,7 @@ struct AxisFile {
     doc: Option<String>,
     #[serde(default)]
     default: Option<String>,
+    #[serde(deserialize_with = "ron_text::unique")]
     values: BTreeMap<String, EffectFile>,
 }
 
@@ -301,7 +303,7 @@ struct AxisFile {
 struct EffectFile {
     #[serde(default)]
     root: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "ron_text::unique")]
     bind: BTreeMap<String, String>,
     #[serde(default)]
     features: Vec<String>,
@@ -310,6 +312,7 @@ struct EffectFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RuleFile {
+    #[serde(deserialize_with = "ron_text::unique")]
     exclude: BTreeMap<String, Vec<String>>,
     reason: String,
 }

@@ -165,6 +165,12 @@ impl Composer {
             composer: self,
             enabled: &request.features,
         };
+        // Naga checks a module's assertions when it parses it, which constants alone do not ask for.
+        for &module in &found.modules {
+            if self.library.source(module).text.contains("const_assert") {
+                with.unit(module)?;
+            }
+        }
         let linked = link(&self.library, &request, &with, Roots::EntryPoints)?;
         let permutation = Permutation::new(
             &self.library,

@@ -188,8 +188,24 @@ impl Library {
         let mut root = None;
         let mut request = Request::default();
         for (_, effect) in self.axes().effects(key) {
-            root = effect.numbers.root.or(root);
-            request.bindings.extend(effect.numbers.bind.iter().copied());
+            if let Some(other) = effect.numbers.root
+                && root.replace(other).is_some_and(|root| root != other)
+            {
+                let message = format!("two choices of the key {key} each name a root module");
+                return Err(Fault::new(Cause::Key, message)
+                    .note("exclude the combination by a rule in axes.ron, or give one of them another way"));
+            }
+            for &(interface, bound) in &effect.numbers.bind {
+                let before = request.bindings.insert(interface, bound);
+                if before.is_some_and(|before| before != bound) {
+                    let path = &self.source(interface).path;
+                    let message =
+                        format!("two choices of the key {key} bind `{path}` to different modules");
+                    return Err(Fault::new(Cause::Key, message).note(
+                        "exclude the combination by a rule in axes.ron, or let one choice bind it",
+                    ));
+                }
+            }
             request.features.union(&effect.numbers.features);
         }
         request.root = root.ok_or_else(|| {

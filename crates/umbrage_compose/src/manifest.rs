@@ -111,7 +111,7 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
     let mut used = vec![false; rules.len()];
     let mut keys = BTreeSet::new();
     for product in &file.keys {
-        let choices = choices(axes, source, product)?;
+        let choices = choices(axes, source, &product.0)?;
         let size = choices
             .iter()
             .try_fold(1usize, |size, (_, values)| size.checked_mul(values.len()));
@@ -199,10 +199,11 @@ fn in_manifest(mut fault: Fault, source: &SourceText, path: &[&str]) -> Fault {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ManifestFile {
+    #[serde(deserialize_with = "ron_text::unique")]
     packages: BTreeMap<String, String>,
     #[serde(default = "default_target")]
     target: String,
-    keys: Vec<BTreeMap<String, Choice>>,
+    keys: Vec<Product>,
     #[serde(default)]
     exclude: Vec<ExcludeFile>,
 }
@@ -214,9 +215,15 @@ fn default_target() -> String {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ExcludeFile {
+    #[serde(deserialize_with = "ron_text::unique")]
     when: BTreeMap<String, Vec<String>>,
     reason: String,
 }
+
+/// Values for some axes.
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct Product(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Choice>);
 
 /// `All`, or a list.
 enum Choice {

@@ -12,6 +12,9 @@ use serde::Deserialize;
 
 use crate::{Cause, Error, Fault};
 
+/// A folder with more than this is no package of shaders.
+const MOST_MODULES: usize = 10_000;
+
 /// The name of the file that holds a package's axes.
 pub(crate) const AXES_FILE: &str = "axes.ron";
 
@@ -75,15 +78,28 @@ impl Package {
         let (include, exclude) = config.globs(dir)?;
         let mut folders = vec![root.clone()];
         while let Some(folder) = folders.pop() {
+            if package.modules.len() > MOST_MODULES || folders.len() > MOST_MODULES {
+                let message = format!(
+                    "`{}` holds more than {MOST_MODULES} modules or folders",
+                    root.display()
+                );
+                return Err(Fault::new(Cause::File, message)
+                    .note("name the folder of the shaders alone, or exclude the others in its wesl.toml")
+                    .into());
+            }
             for entry in fs::read_dir(&folder).map_err(|error| unreadable(&folder, &error))? {
                 let path = entry.map_err(|error| unreadable(&folder, &error))?.path();
                 let relative = path.strip_prefix(dir).unwrap_or(&path);
                 if exclude.is_match(relative) {
                     continue;
                 }
-                if path.is_dir() {
+                // A link to a folder may lead in a circle; a pipe has no end.
+                let Ok(kind) = fs::symlink_metadata(&path).map(|about| about.file_type()) else {
+                    continue;
+                };
+                if kind.is_dir() {
                     folders.push(path);
-                } else if is_module(&path) && include.is_match(relative) {
+                } else if path.is_file() && is_module(&path) && include.is_match(relative) {
                     let within = path.strip_prefix(&root).unwrap_or(&path);
                     package.modules.insert(module_path(within), read(&path)?);
                 }
@@ -152,9 +168,10 @@ fn module_path(within: &Path) -> String {
 
 pub(crate) fn read(path: &Path) -> Result<SourceText, Error> {
     match fs::read_to_string(path) {
+        // Some editors begin a file with a mark of its encoding, which is no part of the text.
         Ok(text) => Ok(SourceText {
             file: path.display().to_string(),
-            text: text.into(),
+            text: text.strip_prefix('\u{feff}').unwrap_or(&text).into(),
         }),
         Err(error) => Err(unreadable(path, &error)),
     }

@@ -1,6 +1,11 @@
 //! Places in RON texts.
 
-use serde::de::DeserializeOwned;
+use std::{collections::BTreeMap, fmt, marker::PhantomData};
+
+use serde::{
+    Deserialize,
+    de::{DeserializeOwned, Error as _, MapAccess, Visitor},
+};
 
 use crate::{Cause, Error, Fault, error::Place, package::SourceText};
 
@@ -15,6 +20,34 @@ pub(crate) fn parse<T: DeserializeOwned>(source: &SourceText, cause: Cause) -> R
             .at(source.place(start..end))
             .into()
     })
+}
+
+/// A map in which each key stands once: RON lets a later one win.
+pub(crate) fn unique<'de, D, V>(deserializer: D) -> Result<BTreeMap<String, V>, D::Error>
+where
+    D: serde::Deserializer<'de>,
+    V: Deserialize<'de>,
+{
+    struct Unique<V>(PhantomData<V>);
+    impl<'de, V: Deserialize<'de>> Visitor<'de> for Unique<V> {
+        type Value = BTreeMap<String, V>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a map")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
+            let mut map = BTreeMap::new();
+            while let Some((key, value)) = entries.next_entry::<String, V>()? {
+                if map.contains_key(&key) {
+                    return Err(A::Error::custom(format!("`{key}` stands twice")));
+                }
+                map.insert(key, value);
+            }
+            Ok(map)
+        }
+    }
+    deserializer.deserialize_map(Unique(PhantomData))
 }
 
 fn offset(text: &str, line: usize, column: usize) -> usize {

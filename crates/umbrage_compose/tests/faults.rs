@@ -162,6 +162,7 @@ type_in_an_imported_declaration, PLAIN, [
 
     // Axes.
     axes_unknown_field, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (valuez: {}),\n    },\n)\n")];
+axes_value_twice, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: {\n            \"main\": (root: \"package::main\"),\n            \"main\": (),\n        }),\n    },\n)\n")];
     axes_no_module, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::mian\") }),\n    },\n)\n")];
     axes_not_an_interface, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (bind: { \"package::mine\": \"package::mine\" }) }),\n    },\n)\n")];
     axes_bad_default, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (default: \"mian\", values: { \"main\": (root: \"package::main\") }),\n    },\n)\n")];
@@ -200,6 +201,29 @@ fn keys() {
         "key_excluded",
         wrong(&[("pass", "main"), ("fog", "on"), ("method", "mine")])
     );
+}
+
+/// Two choices that ask for different things are no key.
+#[test]
+fn choices_that_contradict_each_other() {
+    let axes = AXES.replace(
+        "\"on\": (features: [\"FOG\"])",
+        "\"on\": (bind: { \"package::interface::shadow\": \"package::mine\" })",
+    );
+    let error = compose(&[("axes.ron", &axes)], &[("pass", "main"), ("fog", "on")]);
+    insta::assert_snapshot!(
+        "key_two_bindings",
+        error.expect_err("it is bound twice").to_string()
+    );
+}
+
+/// An assertion in a module that only a constant is taken from is checked all the same.
+#[test]
+fn assertions_of_imported_modules() {
+    let main = "import package::sizes::WIDTH;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(WIDTH);\n}\n";
+    let sizes = "const WIDTH = 9.0;\nconst_assert WIDTH < 9.0;\n";
+    let text = fault(&[("main.wesl", main), ("sizes.wesl", sizes)], PLAIN);
+    insta::assert_snapshot!("const_assert", text);
 }
 
 /// The same module is sound where nothing is wrong: the harness does not fail by itself.
