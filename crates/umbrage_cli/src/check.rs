@@ -2,14 +2,13 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use umbrage::compose::{Cause, Composer, Error, Fault, Key, Location, Manifest, Target};
 
 use crate::{
@@ -77,8 +76,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
             Ok(manifest) => {
                 let target = target(args.target.as_deref().unwrap_or(manifest.target()))
                     .with_context(|| format!("{} cannot be checked", path.display()))?;
-                let packages = packages(path)?;
-                findings.examine(&manifest, packages, target, several.then_some(path));
+                findings.examine(&manifest, target, several.then_some(path));
             }
             Err(error) => findings.refuse(error, path)?,
         }
@@ -126,43 +124,17 @@ impl Shared {
     }
 }
 
-/// The folders of the packages that the manifest at `path` names, however it writes their paths.
-fn packages(path: &Path) -> Result<BTreeMap<String, PathBuf>> {
-    /// What of a manifest is asked here; the rest was read before.
-    #[derive(Deserialize)]
-    struct Packages {
-        packages: BTreeMap<String, PathBuf>,
-    }
-    let unreadable = || format!("{} cannot be checked", path.display());
-    let text = fs::read_to_string(path).with_context(unreadable)?;
-    let manifest: Packages = ron::from_str(&text).with_context(unreadable)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    manifest
-        .packages
-        .into_iter()
-        .map(|(name, package)| Ok((name, fs::canonicalize(folder.join(package))?)))
-        .collect::<Result<_>>()
-        .with_context(unreadable)
-}
-
 impl Findings {
-    /// Validates each permutation of `manifest`, except where an earlier manifest of the same `packages`
+    /// Validates each permutation of `manifest`, except where an earlier manifest of the same packages
     /// and target had it. Where there are several manifests, `origin` tells their keys apart, which may be
     /// equal without meaning the same.
-    fn examine(
-        &mut self,
-        manifest: &Manifest,
-        packages: BTreeMap<String, PathBuf>,
-        target: Target,
-        origin: Option<&PathBuf>,
-    ) {
-        let known = self
-            .shared
-            .iter()
-            .position(|shared| shared.packages == packages && *shared.composer.target() == target);
+    fn examine(&mut self, manifest: &Manifest, target: Target, origin: Option<&PathBuf>) {
+        let known = self.shared.iter().position(|shared| {
+            shared.packages == *manifest.packages() && *shared.composer.target() == target
+        });
         let known = known.unwrap_or_else(|| {
             self.shared.push(Shared {
-                packages,
+                packages: manifest.packages().clone(),
                 composer: Composer::new(manifest.library().clone(), target),
                 outcomes: BTreeMap::new(),
             });

@@ -2,7 +2,7 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use serde::Deserialize;
@@ -36,6 +36,7 @@ const MOST_KEYS: usize = 1 << 20;
 #[derive(Debug)]
 pub struct Manifest {
     library: Library,
+    packages: BTreeMap<String, PathBuf>,
     keys: Vec<Key>,
     target: String,
 }
@@ -65,14 +66,26 @@ impl Manifest {
         });
         let library = Library::new(packages.collect::<Result<Vec<_>, _>>()?)?;
         let keys = enumerate(library.axes(), &source, &file)?;
+        // The folders were read just now; where one is gone, its own name will do.
+        let packages = file.packages.iter().map(|(name, path)| {
+            let path = folder.join(path);
+            (name.clone(), path.canonicalize().unwrap_or(path))
+        });
+        let packages = packages.collect();
         Ok(Self {
+            packages,
             library,
             keys,
             target: file.target,
         })
     }
 
-    /// The packages.
+    /// The folder of each package that the manifest names, with links followed.
+    pub fn packages(&self) -> &BTreeMap<String, PathBuf> {
+        &self.packages
+    }
+
+    /// The library of the packages.
     pub fn library(&self) -> &Library {
         &self.library
     }
