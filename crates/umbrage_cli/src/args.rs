@@ -20,6 +20,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Renders a scene to a picture.
     Render(RenderArgs),
+    /// Finds a scene's shadow term by rays: what every shadow method is to come near to.
+    Truth(TruthArgs),
     /// Validates every permutation of the manifests.
     Check(CheckArgs),
     /// Says how many permutations a manifest has, and which axes make them.
@@ -52,6 +54,24 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
     /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct TruthArgs {
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    pub(crate) scene: PathBuf,
+    /// The picture's size in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub(crate) size: (u32, u32),
+    /// The light, counted from 0; without it, the product over all lights.
+    #[arg(long, value_name = "N")]
+    pub(crate) light: Option<usize>,
+    /// The picture to write: white is lit, black is in shadow.
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) out: PathBuf,
+    /// Prints the camera, the lights and the cost as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -14,6 +14,7 @@ mod permutations;
 mod prebuild;
 mod render;
 mod targets;
+mod truth;
 
 use std::process::ExitCode;
 
@@ -24,6 +25,7 @@ use args::{Arguments, Command};
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Render(args) => render::render(&args),
+        Command::Truth(args) => truth::truth(&args),
         Command::Check(args) => check::check(&args),
         Command::List(args) => list::list(&args),
         Command::Prebuild(args) => prebuild::prebuild(&args),

@@ -1,8 +1,8 @@
 //! What the command prints.
 
-use std::{io::Write, time::Duration};
+use std::{io::Write, path::Path, time::Duration};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -35,4 +35,25 @@ pub(crate) fn waiting(what: &'static str) -> ProgressBar {
     let spinner = ProgressBar::new_spinner().with_message(what);
     spinner.enable_steady_tick(Duration::from_millis(100));
     spinner
+}
+
+/// Says at once, rather than after the work, where the picture cannot be written.
+pub(crate) fn check_picture(out: &Path) -> Result<()> {
+    let png = out
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if !png || out.is_dir() {
+        bail!("--out {} names no picture; end it in .png", out.display());
+    }
+    let folder = match out.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    tempfile::tempfile_in(folder).with_context(|| {
+        format!(
+            "--out {} cannot be written; choose a folder that exists and may be written to",
+            out.display()
+        )
+    })?;
+    Ok(())
 }

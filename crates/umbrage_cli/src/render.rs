@@ -2,7 +2,7 @@
 
 use std::{path::Path, process::ExitCode, sync::Arc};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use serde::Serialize;
 use umbrage::{
     compose::{Composer, Source, Target},
@@ -13,7 +13,7 @@ use umbrage::{
 
 use crate::{
     args::{RenderArgs, What},
-    output::{print_json, waiting},
+    output::{check_picture, print_json, waiting},
 };
 
 /// What `--json` prints.
@@ -51,7 +51,7 @@ struct Used<'a> {
 }
 
 pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
-    check_writable(&args.out)?;
+    check_picture(&args.out)?;
     let registry = registry()?;
     // The scene's own methods are checked light by light; this one is wrong in any scene.
     if let Some(method) = args.method.as_deref().filter(|method| *method != "none") {
@@ -94,27 +94,6 @@ fn options(args: &RenderArgs) -> RenderOptions {
         method: args.method.clone(),
         ..RenderOptions::default()
     }
-}
-
-/// Says at once, rather than after the rendering, where the picture cannot be written.
-fn check_writable(out: &Path) -> Result<()> {
-    let png = out
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if !png || out.is_dir() {
-        bail!("--out {} names no picture; end it in .png", out.display());
-    }
-    let folder = match out.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    tempfile::tempfile_in(folder).with_context(|| {
-        format!(
-            "--out {} cannot be written; choose a folder that exists and may be written to",
-            out.display()
-        )
-    })?;
-    Ok(())
 }
 
 fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {

@@ -79,26 +79,9 @@ impl Report {
 }
 
 impl Rendered {
-    /// The picture in 8 bits, as [`save_png`](Self::save_png) writes it: a shaded one in RGB, clamped
-    /// to 0..1 without exposure or tone mapping and encoded as sRGB; a shadow term as grey, the
-    /// product over the lights, not encoded: code 255 is lit.
+    /// The picture in 8 bits, as [`save_png`](Self::save_png) writes it: see [`Picture::to_image`].
     pub fn to_image(&self) -> image::DynamicImage {
-        let index = |x: u32, y: u32| y as usize * self.width as usize + x as usize;
-        match &self.picture {
-            Picture::Shaded(pixels) => image::RgbImage::from_fn(self.width, self.height, |x, y| {
-                let pixel = pixels.get(index(x, y)).copied().unwrap_or_default();
-                image::Rgb(pixel.map(encode_srgb))
-            })
-            .into(),
-            Picture::ShadowTerm(lights) => {
-                image::GrayImage::from_fn(self.width, self.height, |x, y| {
-                    let terms = lights.iter().filter_map(|light| light.get(index(x, y)));
-                    let product: f32 = terms.product();
-                    image::Luma([(product.clamp(0.0, 1.0) * 255.0).round() as u8])
-                })
-                .into()
-            }
-        }
+        self.picture.to_image(self.width, self.height)
     }
 
     /// Writes the picture as PNG. The file appears whole or not at all.
@@ -106,13 +89,48 @@ impl Rendered {
     /// # Errors
     /// A folder that is missing or cannot be written to.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
+        self.picture.save_png(self.width, self.height, path)
+    }
+}
+
+impl Picture {
+    /// The picture of the given size in 8 bits: a shaded one in RGB, clamped to 0..1 without exposure
+    /// or tone mapping and encoded as sRGB; a shadow term as grey, the product over the lights, not
+    /// encoded: code 255 is lit.
+    pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
+        let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
+        match self {
+            Self::Shaded(pixels) => image::RgbImage::from_fn(width, height, |x, y| {
+                let pixel = pixels.get(index(x, y)).copied().unwrap_or_default();
+                image::Rgb(pixel.map(encode_srgb))
+            })
+            .into(),
+            Self::ShadowTerm(lights) => image::GrayImage::from_fn(width, height, |x, y| {
+                let terms = lights.iter().filter_map(|light| light.get(index(x, y)));
+                let product: f32 = terms.product();
+                image::Luma([(product.clamp(0.0, 1.0) * 255.0).round() as u8])
+            })
+            .into(),
+        }
+    }
+
+    /// Writes the picture of the given size as PNG. The file appears whole or not at all.
+    ///
+    /// # Errors
+    /// A folder that is missing or cannot be written to.
+    pub fn save_png(
+        &self,
+        width: u32,
+        height: u32,
+        path: impl AsRef<Path>,
+    ) -> Result<(), RenderError> {
         let path = path.as_ref();
         let unwritable = |source| RenderError::Unwritable {
             path: path.to_owned(),
             source,
         };
         let mut bytes = Vec::new();
-        self.to_image()
+        self.to_image(width, height)
             .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
             .map_err(|error| unwritable(std::io::Error::other(error)))?;
         let folder = match path.parent() {

@@ -6,6 +6,7 @@ mod link;
 mod list;
 mod prebuild;
 mod render;
+mod truth;
 
 use std::{
     fs,

@@ -1,0 +1,51 @@
+//! What is true of a scene's shadows, so that a shadow method can be held against it.
+//!
+//! # The model
+//! A shadow method answers one question approximately: does the light reach this point? This crate
+//! answers it by rays in f64, from the same [`Scene`](umbrage_render::Scene) that the renderer draws:
+//!
+//! 1. **Sight.** Through the centre of each pixel goes a ray from the camera. The nearest triangle
+//!    between the camera's near and far distance is what the pixel sees: an object, one of its
+//!    triangles, and a point on it. Both sides of a triangle are seen.
+//! 2. **Shadow.** From that point goes a ray to the light. The point is in shadow where the ray meets a
+//!    triangle of an object that casts, other than the triangle that the point lies on.
+//!
+//! Where a material has a cut-off, what is less opaque than that is no surface, for either ray; the
+//! texture is read in full resolution. A light that is no point gets many rays, spread evenly over the
+//! angle that it fills, and the shadow term is the share of them that arrive.
+//!
+//! There is nothing to see, or no light to be kept off (beyond the range of a light, outside the cone
+//! of a spot light), where the shadow term is `None`. In pictures that is 1, as the renderer has it.
+//! Whether a light has a shadow method makes no difference to the truth, and neither does a cookie.
+//!
+//! ```
+//! use umbrage_measure::truth::Tracer;
+//! use umbrage_render::Scene;
+//!
+//! let scene = Scene::load("../../examples/scenes/bunny_sun.ron")?;
+//! let tracer = Tracer::new(&scene)?;
+//! let sight = tracer.look(64, 36, &|| ())?;
+//! let terms = tracer.shadow(&sight, 0, umbrage_measure::truth::Source::Sharp, &|| ())?;
+//! let dark = terms.iter().filter(|term| **term == Some(0.0)).count();
+//! assert!(dark > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What keeps it true
+//! - **No bias.** The triangle that a point lies on is left out by its number. Its neighbours are not, but
+//!   a point on a shared edge lies on them too, as far as f64 can tell: so a hit that is no farther away
+//!   than the rounding of the numbers that it was computed from is none. That bound follows the numbers:
+//!   it shrinks and grows with the scene.
+//! - **No gaps.** Of two triangles that share an edge, a ray that passes through the edge meets at least one
+//!   (Woop, Benthin and Wald 2013: "Watertight Ray/Triangle Intersection").
+//! - **No place.** Positions are relative to the camera, and f64 throughout: a scene a thousand kilometres
+//!   out is traced as at the origin.
+//! - **No chance.** The same scene gives the same numbers whatever the number of threads; the rays of a
+//!   light with an extent are placed by a hash of the pixel's number.
+//!
+//! # Cost
+//! The triangles lie in a tree of boxes (`parry3d`), so that a ray costs about the logarithm of their
+//! number; the rows of a picture are shared among all threads. A triangle takes about 400
+//! bytes while the tree is built, and less after: `cargo bench -p umbrage_bench --bench truth`.
+
+pub mod truth;

@@ -1,0 +1,237 @@
+//! Shadows by rays in f64. The crate's page tells the model.
+
+mod error;
+mod lamp;
+mod opacity;
+mod ray;
+#[cfg(test)]
+mod tests;
+mod triangles;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use umbrage_render::Scene;
+use umbrage_shadow::{Light, View};
+
+pub use self::error::TruthError;
+use self::{lamp::Lamp, ray::Ray, triangles::Triangles};
+
+/// Pixels that a picture may have: an 8K picture's.
+pub const MOST_PIXELS: usize = 1 << 25;
+/// Rays that a light with an extent may have each way.
+pub const MOST_STRATA: u32 = 64;
+
+/// Casts rays through a scene, as it was when the tracer was made.
+pub struct Tracer {
+    triangles: Triangles,
+    lights: Vec<Light>,
+    camera: umbrage_render::Camera,
+}
+
+/// What each pixel of a picture sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sight {
+    width: u32,
+    height: u32,
+    seen: Vec<Option<Seen>>,
+}
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// The object, by its place in [`Scene::objects`].
+    pub object: u32,
+    /// The triangle, by its place in the object's mesh.
+    pub triangle: u32,
+    /// The point: metres, world axes, relative to the camera.
+    pub position: DVec3,
+}
+
+/// How large a light is taken to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Source {
+    /// A point, or a single direction: the shadow term is 0 or 1.
+    #[default]
+    Sharp,
+    /// A sphere around the light's position or, for a directional light, a disc in the sky.
+    Round {
+        /// The sphere's radius in metres, or the angle from the disc's middle to its edge in radians.
+        size: f64,
+        /// `strata`² rays a pixel; 1 to [`MOST_STRATA`].
+        strata: u32,
+    },
+}
+
+impl Sight {
+    /// Pixels across.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels down.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// What each pixel sees, by rows from the top.
+    pub fn seen(&self) -> &[Option<Seen>] {
+        &self.seen
+    }
+}
+
+impl Tracer {
+    /// A tracer of the scene as its camera sees it.
+    ///
+    /// # Errors
+    /// A scene without triangles or lights, a vertex that is not finite or not there, a camera or a
+    /// light that cannot be used.
+    pub fn new(scene: &Scene) -> Result<Self, TruthError> {
+        scene
+            .camera
+            .view(1, 1)
+            .validate()
+            .map_err(TruthError::Camera)?;
+        if scene.lights.is_empty() {
+            return Err(TruthError::NoLights);
+        }
+        let lights: Vec<_> = scene
+            .lights
+            .iter()
+            .map(|light| light.light.clone())
+            .collect();
+        for (index, light) in lights.iter().enumerate() {
+            light
+                .validate()
+                .map_err(|problem| TruthError::Light { index, problem })?;
+        }
+        Ok(Self {
+            triangles: Triangles::new(scene, scene.camera.position)?,
+            lights,
+            camera: scene.camera,
+        })
+    }
+
+    /// How many triangles there are.
+    pub fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Finds what each pixel's centre sees in a picture of the given size. `on_row` is called after
+    /// each row, from any thread.
+    ///
+    /// # Errors
+    /// A size of no pixels or more than [`MOST_PIXELS`].
+    pub fn look(
+        &self,
+        width: u32,
+        height: u32,
+        on_row: &(dyn Fn() + Sync),
+    ) -> Result<Sight, TruthError> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 || pixels > MOST_PIXELS as u64 {
+            return Err(TruthError::Size { width, height });
+        }
+        let view = self.camera.view(width, height);
+        let mut seen = vec![None; pixels as usize];
+        seen.par_chunks_mut(width as usize)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, seen) in row.iter_mut().enumerate() {
+                    *seen = self.see(&view, at(x, width), at(y, height));
+                }
+                on_row();
+            });
+        Ok(Sight {
+            width,
+            height,
+            seen,
+        })
+    }
+
+    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, 0 in
+    /// shadow, none where nothing is seen or the light does not reach. `on_row` is called after each
+    /// row, from any thread.
+    ///
+    /// # Errors
+    /// A light that is not there, a size that it cannot have, or a sight of another tracer's.
+    pub fn shadow(
+        &self,
+        sight: &Sight,
+        light: usize,
+        source: Source,
+        on_row: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Option<f32>>, TruthError> {
+        let kind = self.lights.get(light).ok_or(TruthError::NoSuchLight {
+            index: light,
+            count: self.lights.len(),
+        })?;
+        let lamp = Lamp::new(&kind.kind, self.camera.position);
+        if let Source::Round { size, strata } = source
+            && !lamp.can_be(source)
+        {
+            return Err(TruthError::Source { size, strata });
+        }
+        let known = |seen: &Seen| self.triangles.number(seen.object, seen.triangle).is_some();
+        if !sight.seen.iter().flatten().all(known) {
+            return Err(TruthError::ForeignSight);
+        }
+        let width = sight.width as usize;
+        let mut terms = vec![None; sight.seen.len()];
+        terms
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, term) in row.iter_mut().enumerate() {
+                    let pixel = y * width + x;
+                    *term = sight.seen[pixel]
+                        .and_then(|seen| self.term(&seen, &lamp, source, pixel as u64));
+                }
+                on_row();
+            });
+        Ok(terms)
+    }
+
+    /// What is seen at a place in the picture: from −1 to 1, right and down.
+    fn see(&self, view: &View, across: f64, down: f64) -> Option<Seen> {
+        let projection = &view.projection;
+        let slope = (0.5 * projection.fov_y).tan();
+        let direction = DVec3::new(across * slope * projection.aspect, -down * slope, -1.0);
+        // One length of it is one metre of depth, which is what near and far are given in.
+        let ray = Ray::new(DVec3::ZERO, 0.0, view.rotation.normalize() * direction);
+        let (triangle, position) = self
+            .triangles
+            .nearest(&ray, projection.near, projection.far)?;
+        let (object, triangle) = self.triangles.owner(triangle);
+        Some(Seen {
+            object,
+            triangle,
+            position,
+        })
+    }
+
+    fn term(&self, seen: &Seen, lamp: &Lamp, source: Source, seed: u64) -> Option<f32> {
+        let point = seen.position;
+        if !lamp.reaches(point) {
+            return None;
+        }
+        let own = self.triangles.number(seen.object, seen.triangle)?;
+        let error = self.triangles.rounding(own);
+        let is_lit = |(direction, limit)| {
+            let ray = Ray::new(point, error, direction);
+            !self.triangles.is_blocked(&ray, limit, own)
+        };
+        let Source::Round { size, strata } = source else {
+            return Some(f32::from(u8::from(is_lit(lamp.middle(point)))));
+        };
+        let Some(rays) = lamp.spread(point, size, strata, seed) else {
+            return Some(1.0);
+        };
+        let lit = rays.filter(|aim| is_lit(*aim)).count();
+        Some(lit as f32 / (strata * strata) as f32)
+    }
+}
+
+/// The centre of a pixel, from −1 to 1.
+fn at(pixel: usize, of: u32) -> f64 {
+    2.0 * (pixel as f64 + 0.5) / f64::from(of) - 1.0
+}
