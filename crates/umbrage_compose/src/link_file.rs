@@ -14,6 +14,9 @@ use crate::{
 /// before). `package` is the folder of the package that `package::` means in the file; without it,
 /// the file's own folder.
 ///
+/// What naga's IR does not keep is folded into what uses it, and not printed: aliases, constants without
+/// a concrete type (`const A = 1;`), assertions, and a module's diagnostic directives.
+///
 /// # Errors
 /// Faults in the modules, features that nothing reads, and modules that do not exist.
 pub fn link_file(
