@@ -55,11 +55,6 @@ impl View {
         self.rotation * DVec3::NEG_Z
     }
 
-    /// From the world to the view's axes.
-    pub fn view_matrix(&self) -> DMat4 {
-        self.view_relative() * DMat4::from_translation(-self.position)
-    }
-
     /// From camera-relative positions (world axes, metres from `position`) to the view's axes.
     pub fn view_relative(&self) -> DMat4 {
         DMat4::from_quat(self.rotation.normalize().conjugate())
