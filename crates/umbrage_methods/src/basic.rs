@@ -393,6 +393,8 @@ impl Job {
             passes,
             constants,
             fetches_per_pixel: taps * taps,
+            filter_radius: 0.5 * f64::from(self.width) + 0.5,
+            shadow_distance: None,
         }
     }
 }

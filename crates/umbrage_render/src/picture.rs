@@ -3,6 +3,7 @@
 use std::{io::Cursor, path::Path};
 
 use umbrage_compose::{Key, Source};
+use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
 
@@ -46,6 +47,9 @@ pub struct Report {
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
     pub fetches_per_pixel: u32,
+    /// What each light's method planned, by the lights' places in the scene; none where it has no
+    /// method, or reaches nothing that is seen.
+    pub plans: Vec<Option<ShadowPlan>>,
     /// Wall-clock time from the scene to the pixels in memory; milliseconds.
     pub milliseconds: f64,
 }

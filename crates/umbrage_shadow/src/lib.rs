@@ -103,6 +103,9 @@
 //!             })],
 //!             constants: Constants::new().with("view_proj", Value::Mat4(view_proj)),
 //!             fetches_per_pixel: 1,
+//!             // A bilinear fetch reads the texels whose middles are within one texel.
+//!             filter_radius: 1.0,
+//!             shadow_distance: None,
 //!         })
 //!     }
 //! }

@@ -20,6 +20,12 @@ pub struct ShadowPlan {
     /// Texture fetches that `calc_shadow` makes at the most for a pixel: the method's own promise,
     /// for a report to check.
     pub fetches_per_pixel: u32,
+    /// How far from the receiver's place in the map `calc_shadow` reads, in texels, a fetch's own
+    /// blending included: within it, an edge may be blurred or displaced.
+    pub filter_radius: f64,
+    /// The view depth beyond which `calc_shadow` is 1 whatever stands between, in metres; none where
+    /// receivers at all depths are shadowed.
+    pub shadow_distance: Option<f64>,
 }
 
 /// A texture that a method owns.

@@ -142,6 +142,7 @@ fn set_up_method<'a>(
     let chosen = shadow
         .settings
         .iter()
+        .chain(&options.settings)
         .map(|(name, value)| (name.as_str(), *value));
     let settings =
         Settings::check(method.settings(), chosen).map_err(|source| RenderError::Settings {

@@ -44,7 +44,7 @@ pub struct Renderer {
 }
 
 /// What to render.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Pixels across.
     pub width: u32,
@@ -57,6 +57,8 @@ pub struct RenderOptions {
     /// Values for axes of the shader library, put in place of the scene's wherever a permutation has
     /// the axis. An axis that is turned on without its texture reads white.
     pub axes: BTreeMap<String, String>,
+    /// Values for settings of the lights' methods, put in place of the scene's.
+    pub settings: BTreeMap<String, f64>,
 }
 
 /// What a picture shows.
@@ -77,6 +79,7 @@ impl Default for RenderOptions {
             what: What::Shaded,
             method: None,
             axes: BTreeMap::new(),
+            settings: BTreeMap::new(),
         }
     }
 }
@@ -174,6 +177,7 @@ impl Renderer {
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
+        frame.report.plans.resize(shot.lights.len(), None);
         Ok(Rendered {
             width: options.width,
             height: options.height,

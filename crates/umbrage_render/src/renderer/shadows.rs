@@ -60,7 +60,7 @@ impl Renderer {
             }
         }
         let mut resources = ShadowResources {
-            constants: plan.constants,
+            constants: plan.constants.clone(),
             textures: BTreeMap::new(),
             samplers: BTreeMap::new(),
         };
@@ -76,7 +76,7 @@ impl Renderer {
             });
             resources.textures.insert(desc.name, (desc.format, view));
         }
-        for desc in plan.samplers {
+        for desc in &plan.samplers {
             let sampler = self.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: desc.filter,
                 min_filter: desc.filter,
@@ -85,8 +85,10 @@ impl Renderer {
             });
             resources
                 .samplers
-                .insert(desc.name.clone(), (desc, sampler));
+                .insert(desc.name.clone(), (desc.clone(), sampler));
         }
+        frame.report.plans.resize(light.index, None);
+        frame.report.plans.push(Some(plan));
         Ok(resources)
     }
 
