@@ -8,12 +8,13 @@ use std::{
 
 use crate::{
     Error, Fault, Key, Library, Permutation, Target,
-    cache::{DiskCache, Look},
+    cache::DiskCache,
     features::{FeatureSet, Features},
     library::Request,
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, dependencies, project},
+    store::Look,
     unit::{Refusal, Unit, parse},
 };
 
@@ -149,7 +150,7 @@ impl Composer {
         if let Some((disk, name)) = &name {
             match disk.look(name, &projected, &self.target) {
                 Look::Found(permutation) => {
-                    let permutation = Arc::new(*permutation);
+                    let permutation = Arc::new(permutation);
                     self.remember(&projected, &permutation);
                     return Ok(Composed {
                         permutation,

@@ -84,6 +84,7 @@ mod reach;
 mod reflect;
 mod ron_text;
 mod source;
+mod store;
 mod stubs;
 mod target;
 mod translate;
@@ -104,4 +105,5 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
+pub use store::{Kind, Look, Store};
 pub use target::Target;
