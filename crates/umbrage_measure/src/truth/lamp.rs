@@ -8,7 +8,7 @@ use umbrage_shadow::LightKind;
 use super::{MOST_STRATA, Source};
 
 /// A light in the tracer's space.
-pub(super) enum Lamp {
+pub(crate) enum Lamp {
     Sun {
         /// Unit.
         to_light: DVec3,
@@ -22,10 +22,10 @@ pub(super) enum Lamp {
 }
 
 /// Where to look from a point: a direction of any length, and how many of its lengths far.
-pub(super) type Aim = (DVec3, f64);
+pub(crate) type Aim = (DVec3, f64);
 
 impl Lamp {
-    pub(super) fn new(kind: &LightKind, origin: DVec3) -> Self {
+    pub(crate) fn new(kind: &LightKind, origin: DVec3) -> Self {
         match *kind {
             LightKind::Directional { direction } => Self::Sun {
                 to_light: -direction,
@@ -50,7 +50,7 @@ impl Lamp {
     }
 
     /// Whether the source is one that this light can be.
-    pub(super) fn can_be(&self, source: Source) -> bool {
+    pub(crate) fn can_be(&self, source: Source) -> bool {
         let Source::Round { size, strata } = source else {
             return true;
         };
@@ -62,7 +62,7 @@ impl Lamp {
     }
 
     /// Whether the point would be lit if nothing stood between.
-    pub(super) fn reaches(&self, point: DVec3) -> bool {
+    pub(crate) fn reaches(&self, point: DVec3) -> bool {
         match self {
             Self::Sun { .. } => true,
             Self::Bulb {
@@ -79,7 +79,7 @@ impl Lamp {
     }
 
     /// Where a point light's one ray goes from a point.
-    pub(super) fn middle(&self, point: DVec3) -> Aim {
+    pub(crate) fn middle(&self, point: DVec3) -> Aim {
         match self {
             Self::Sun { to_light } => (*to_light, f64::INFINITY),
             Self::Bulb { position, .. } => (position - point, 1.0),
@@ -89,7 +89,7 @@ impl Lamp {
     /// Where the rays go from a point to a light of radius `size`: evenly over the solid angle, one in
     /// each of `strata`² parts of it, placed within its part by a hash of `seed`. None for a point
     /// within the light, where nothing can stand between.
-    pub(super) fn spread(
+    pub(crate) fn spread(
         &self,
         point: DVec3,
         size: f64,

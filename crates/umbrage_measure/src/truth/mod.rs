@@ -1,7 +1,7 @@
 //! Shadows by rays in f64. The crate's page tells the model.
 
 mod error;
-mod lamp;
+pub(crate) mod lamp;
 mod opacity;
 mod ray;
 #[cfg(test)]
@@ -161,34 +161,73 @@ impl Tracer {
         source: Source,
         on_row: &(dyn Fn() + Sync),
     ) -> Result<Vec<Option<f32>>, TruthError> {
-        let kind = self.lights.get(light).ok_or(TruthError::NoSuchLight {
-            index: light,
-            count: self.lights.len(),
-        })?;
-        let lamp = Lamp::new(&kind.kind, self.camera.position);
+        let lamp = self.lamp(light)?;
         if let Source::Round { size, strata } = source
             && !lamp.can_be(source)
         {
             return Err(TruthError::Source { size, strata });
         }
+        self.each(sight, on_row, |seen, pixel| {
+            self.term(seen, &lamp, source, pixel)
+        })
+    }
+
+    /// Finds for each pixel how far along the ray to a light (by its place in [`Scene::lights`]) the
+    /// nearest thing is that keeps it off; metres. None where the light arrives, does not reach, or
+    /// nothing is seen: there is a distance where the [`Sharp`](Source::Sharp) shadow term is 0, and
+    /// nowhere else. `on_row` is called after each row, from any thread.
+    ///
+    /// # Errors
+    /// A light that is not there, or a sight of another tracer's.
+    pub fn gaps(
+        &self,
+        sight: &Sight,
+        light: usize,
+        on_row: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Option<f64>>, TruthError> {
+        let lamp = self.lamp(light)?;
+        self.each(sight, on_row, |seen, _| {
+            let (ray, own) = self.leave(seen, &lamp)?;
+            let (direction, limit) = lamp.middle(seen.position);
+            let distance = self.triangles.blocker(&ray(direction), limit, own)?;
+            Some(distance * direction.length())
+        })
+    }
+
+    fn lamp(&self, light: usize) -> Result<Lamp, TruthError> {
+        let count = self.lights.len();
+        let known = self.lights.get(light);
+        let light = known.ok_or(TruthError::NoSuchLight {
+            index: light,
+            count,
+        })?;
+        Ok(Lamp::new(&light.kind, self.camera.position))
+    }
+
+    /// What is found for each pixel that sees something, given its number; row by row.
+    fn each<T: Copy + Send>(
+        &self,
+        sight: &Sight,
+        on_row: &(dyn Fn() + Sync),
+        find: impl Fn(&Seen, u64) -> Option<T> + Sync,
+    ) -> Result<Vec<Option<T>>, TruthError> {
         let known = |seen: &Seen| self.triangles.number(seen.object, seen.triangle).is_some();
         if !sight.seen.iter().flatten().all(known) {
             return Err(TruthError::ForeignSight);
         }
         let width = sight.width as usize;
-        let mut terms = vec![None; sight.seen.len()];
-        terms
+        let mut found = vec![None; sight.seen.len()];
+        found
             .par_chunks_mut(width)
             .enumerate()
             .for_each(|(y, row)| {
-                for (x, term) in row.iter_mut().enumerate() {
+                for (x, found) in row.iter_mut().enumerate() {
                     let pixel = y * width + x;
-                    *term = sight.seen[pixel]
-                        .and_then(|seen| self.term(&seen, &lamp, source, pixel as u64));
+                    *found = sight.seen[pixel].and_then(|seen| find(&seen, pixel as u64));
                 }
                 on_row();
             });
-        Ok(terms)
+        Ok(found)
     }
 
     /// What is seen at a place in the picture: from −1 to 1, right and down.
@@ -210,24 +249,28 @@ impl Tracer {
     }
 
     fn term(&self, seen: &Seen, lamp: &Lamp, source: Source, seed: u64) -> Option<f32> {
+        let (ray, own) = self.leave(seen, lamp)?;
+        let is_lit = |(direction, limit)| !self.triangles.is_blocked(&ray(direction), limit, own);
+        let Source::Round { size, strata } = source else {
+            return Some(f32::from(u8::from(is_lit(lamp.middle(seen.position)))));
+        };
+        let Some(rays) = lamp.spread(seen.position, size, strata, seed) else {
+            return Some(1.0);
+        };
+        let lit = rays.filter(|aim| is_lit(*aim)).count();
+        Some(lit as f32 / (strata * strata) as f32)
+    }
+
+    /// How rays leave a point in any direction, and the number of the triangle that it lies on; none
+    /// where the light does not reach.
+    fn leave(&self, seen: &Seen, lamp: &Lamp) -> Option<(impl Fn(DVec3) -> Ray + use<>, u32)> {
         let point = seen.position;
         if !lamp.reaches(point) {
             return None;
         }
         let own = self.triangles.number(seen.object, seen.triangle)?;
         let error = self.triangles.rounding(own);
-        let is_lit = |(direction, limit)| {
-            let ray = Ray::new(point, error, direction);
-            !self.triangles.is_blocked(&ray, limit, own)
-        };
-        let Source::Round { size, strata } = source else {
-            return Some(f32::from(u8::from(is_lit(lamp.middle(point)))));
-        };
-        let Some(rays) = lamp.spread(point, size, strata, seed) else {
-            return Some(1.0);
-        };
-        let lit = rays.filter(|aim| is_lit(*aim)).count();
-        Some(lit as f32 / (strata * strata) as f32)
+        Some((move |direction| Ray::new(point, error, direction), own))
     }
 }
 

@@ -170,18 +170,34 @@ impl Triangles {
     /// Whether a caster other than the triangle `own` stands on the ray's way to `limit`, in lengths
     /// of its direction.
     pub(super) fn is_blocked(&self, ray: &Ray, limit: f64, own: u32) -> bool {
-        let blocks = |triangle: u32| {
-            triangle != own
-                && ray.meet(self.corners(triangle)).is_some_and(|meeting| {
-                    meeting.distance > meeting.rounding
-                        && meeting.distance < limit
-                        && self.objects[self.owner(triangle).0 as usize].material.casts
-                        && self.is_solid(triangle, &meeting)
-                })
-        };
         self.tree
             .leaves(|node| ray.enter(node, limit).is_some())
-            .any(blocks)
+            .any(|triangle| self.block(ray, limit, own, triangle).is_some())
+    }
+
+    /// How far away the nearest thing is that makes [`is_blocked`](Self::is_blocked) true, in lengths of
+    /// the ray's direction.
+    pub(super) fn blocker(&self, ray: &Ray, limit: f64, own: u32) -> Option<f64> {
+        let enter = |node: &_, best: f64| ray.enter(node, best).unwrap_or(f64::MAX);
+        let block = |triangle: u32, _| {
+            let distance = self.block(ray, limit, own, triangle)?;
+            Some((distance, ()))
+        };
+        let (_, (distance, ())) = self.tree.find_best(limit, enter, block)?;
+        Some(distance)
+    }
+
+    /// How far away a triangle keeps light from reaching the triangle `own`, if it does.
+    fn block(&self, ray: &Ray, limit: f64, own: u32, triangle: u32) -> Option<f64> {
+        if triangle == own {
+            return None;
+        }
+        let meeting = ray.meet(self.corners(triangle))?;
+        let blocks = meeting.distance > meeting.rounding
+            && meeting.distance < limit
+            && self.objects[self.owner(triangle).0 as usize].material.casts
+            && self.is_solid(triangle, &meeting);
+        blocks.then_some(meeting.distance)
     }
 
     fn is_solid(&self, triangle: u32, meeting: &Meeting) -> bool {

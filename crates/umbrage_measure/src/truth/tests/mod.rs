@@ -1,6 +1,7 @@
 //! The tracer against closed forms.
 
 mod closed_forms;
+mod gaps;
 mod holes;
 mod refusals;
 mod soft;
