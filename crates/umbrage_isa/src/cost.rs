@@ -1,0 +1,73 @@
+//! What a stage costs, and how it is read out of a driver's statistics.
+
+use serde::Serialize;
+use umbrage_compose::Stage;
+
+use crate::wire::Executable;
+
+/// What one stage of a permutation costs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct StageCost {
+    /// The stage.
+    pub stage: Stage,
+    /// The name of its entry point.
+    pub entry_point: String,
+    /// What the compiler made of it.
+    #[serde(flatten)]
+    pub isa: Isa,
+}
+
+/// What a GPU family's compiler makes of a shader stage: RADV's figures, unchanged. The crate page says what
+/// they are good for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Isa {
+    /// The GPU family, such as `navi21`.
+    pub family: String,
+    /// Instructions, each counted once, however often it runs.
+    pub instructions: u64,
+    /// Vector registers of a lane that are set aside.
+    pub vgprs: u64,
+    /// Scalar registers of a wave that are set aside.
+    pub sgprs: u64,
+    /// Bytes of machine code.
+    pub code_size: u64,
+    /// Cycles from a wave's start to its end, stalls included, by the compiler's estimate.
+    pub latency: u64,
+    /// Cycles that a wave keeps the busiest unit busy, by the compiler's estimate.
+    pub inverse_throughput: u64,
+    /// Vector registers that did not fit and live in memory.
+    pub spilled_vgprs: u64,
+    /// Scalar registers that did not fit and live in vector registers.
+    pub spilled_sgprs: u64,
+    /// Bytes of memory that a workgroup shares.
+    pub lds_size: u64,
+    /// Bytes of memory of its own that a wave needs.
+    pub scratch_size: u64,
+    /// Waves that fit on one SIMD at a time.
+    pub waves_per_simd: u64,
+}
+
+impl Isa {
+    /// Reads `executable`'s statistics, or says which one it lacks.
+    pub(crate) fn read(family: &str, executable: &Executable) -> Result<Self, &'static str> {
+        let value = |name: &'static str| {
+            let mut statistics = executable.statistics.iter();
+            let found = statistics.find(|(known, _)| known.eq_ignore_ascii_case(name));
+            found.map(|(_, value)| *value).ok_or(name)
+        };
+        Ok(Self {
+            family: family.to_owned(),
+            instructions: value("Instructions")?,
+            vgprs: value("VGPRs")?,
+            sgprs: value("SGPRs")?,
+            code_size: value("Code size")?,
+            latency: value("Latency")?,
+            inverse_throughput: value("Inverse Throughput")?,
+            spilled_vgprs: value("Spilled VGPRs")?,
+            spilled_sgprs: value("Spilled SGPRs")?,
+            lds_size: value("LDS size")?,
+            scratch_size: value("Scratch size")?,
+            waves_per_simd: value("Subgroups per SIMD")?,
+        })
+    }
+}
