@@ -8,7 +8,7 @@ use crate::targets::NAMES;
 
 /// Composes shader permutations, and renders scenes with shadow methods.
 ///
-/// Exit status: 0 done, 1 the input was found faulty (check), 2 unusable arguments or input.
+/// Exit status: 0 done, 1 what was checked was found wanting (check, cost, stress), 2 unusable arguments or input.
 #[derive(Parser)]
 #[command(name = "umbrage", version)]
 pub(crate) struct Arguments {
@@ -68,6 +68,16 @@ pub(crate) struct TruthArgs {
     /// The light, counted from 0; without it, the product over all lights.
     #[arg(long, value_name = "N")]
     pub(crate) light: Option<usize>,
+    /// Takes each light for one with an extent: a sphere's radius in metres, or for a directional light the
+    /// angle from its disc's middle to its edge in degrees (the sun: 0.27); without it, a point.
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) light_size: Option<f64>,
+    /// Rays to a light with an extent: so many by so many a pixel.
+    #[arg(long, value_name = "N", default_value_t = 8, requires = "light_size")]
+    pub(crate) rays: u32,
+    /// A folder to keep what was traced in from run to run; without it, nothing is kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
     /// The picture to write: white is lit, black is in shadow.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,

@@ -4,13 +4,12 @@ use std::{path::Path, process::ExitCode, time::Instant};
 
 use anyhow::{Context, Result};
 use glam::DVec3;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use umbrage::{
     render::{Picture, Scene},
     shadow::{Light, LightKind},
 };
-use umbrage_measure::truth::{Source, Tracer, TruthError};
+use umbrage_measure::truth::{Source, Truth, TruthError, TruthStore};
 
 use crate::{
     args::TruthArgs,
@@ -63,30 +62,30 @@ struct ReportLight<'a> {
 
 pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
     check_picture(&args.out)?;
-    let scene = Scene::load(&args.scene)?;
-    let lights = match args.light {
-        Some(light) => vec![light],
-        None => (0..scene.lights.len()).collect(),
-    };
+    let mut scene = Scene::load(&args.scene)?;
+    let lights = choose_lights(&mut scene, args.light)?;
+    let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
     let (width, height) = args.size;
-    // One turn of the rows to see, and one for each light.
-    let bar = progress("tracing", height as usize * (1 + lights.len()));
+    let bar = progress("tracing", Truth::rows(&scene, height));
     let start = Instant::now();
-    let traced = trace(&scene, args.size, &lights, &bar)
+    let traced = trace(args, &scene, store.as_ref(), &|| bar.inc(1))
         .with_context(|| format!("{} cannot be traced", args.scene.display()));
     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
     bar.finish_and_clear();
-    let (triangles, picture) = traced?;
+    let (truth, warnings) = traced?;
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+    let seen = |terms: &Vec<Option<f32>>| terms.iter().map(|term| term.unwrap_or(1.0)).collect();
+    let picture = Picture::ShadowTerm(truth.terms.iter().map(seen).collect());
     picture.save_png(width, height, &args.out)?;
     let report = Report {
         picture: &args.out,
         camera: camera(&scene, args.size),
-        lights: lights
-            .iter()
-            .filter_map(|index| Some((*index, scene.lights.get(*index)?)))
-            .map(|(index, light)| report_light(index, &light.name, &light.light))
+        lights: (lights.iter().zip(&scene.lights))
+            .map(|(index, light)| report_light(*index, &light.name, &light.light))
             .collect(),
-        triangles,
+        triangles: scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum(),
         milliseconds,
     };
     if args.json {
@@ -103,21 +102,51 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Leaves in the scene the lights whose shadows are asked for; gives their places in it.
+fn choose_lights(scene: &mut Scene, light: Option<usize>) -> Result<Vec<usize>> {
+    let count = scene.lights.len();
+    match light {
+        None => Ok((0..count).collect()),
+        Some(index) if index < count => {
+            scene.lights = vec![scene.lights.swap_remove(index)];
+            Ok(vec![index])
+        }
+        Some(index) => Err(TruthError::NoSuchLight { index, count }.into()),
+    }
+}
+
 fn trace(
+    args: &TruthArgs,
     scene: &Scene,
-    (width, height): (u32, u32),
-    lights: &[usize],
-    bar: &ProgressBar,
-) -> Result<(usize, Picture), TruthError> {
-    let tracer = Tracer::new(scene)?;
-    let row = || bar.inc(1);
-    let sight = tracer.look(width, height, &row)?;
-    let terms = lights.iter().map(|light| {
-        let terms = tracer.shadow(&sight, *light, Source::Sharp, &row)?;
-        Ok(terms.into_iter().map(|term| term.unwrap_or(1.0)).collect())
-    });
-    let terms = terms.collect::<Result<_, TruthError>>()?;
-    Ok((tracer.triangles(), Picture::ShadowTerm(terms)))
+    store: Option<&TruthStore>,
+    on_row: &(dyn Fn() + Sync),
+) -> Result<(Truth, Vec<String>)> {
+    let sources: Vec<_> = scene
+        .lights
+        .iter()
+        .map(|light| source(args, &light.light))
+        .collect();
+    match store {
+        Some(store) => Ok(store.truth(scene, args.size, &sources, on_row)?),
+        None => Ok((
+            Truth::trace(scene, args.size, &sources, on_row)?,
+            Vec::new(),
+        )),
+    }
+}
+
+/// A light's extent, as the arguments have it.
+fn source(args: &TruthArgs, light: &Light) -> Source {
+    let Some(size) = args.light_size else {
+        return Source::Sharp;
+    };
+    Source::Round {
+        size: match light.kind {
+            LightKind::Directional { .. } => size.to_radians(),
+            LightKind::Spot { .. } | LightKind::Point { .. } => size,
+        },
+        strata: args.rays,
+    }
 }
 
 fn camera(scene: &Scene, (width, height): (u32, u32)) -> Camera {

@@ -93,6 +93,45 @@ fn the_picture_is_the_product_over_the_lights() {
 }
 
 #[test]
+fn lights_may_have_an_extent() {
+    let folder = TempDir::new().expect("a folder");
+    write(&folder, "two.ron", TWO_LIGHTS);
+    let scene = path_in(&folder, "two.ron");
+    let cache = path_in(&folder, "cache");
+    let out = path_in(&folder, "a.png");
+    let terms = |options: &[&str]| {
+        let mut args = vec!["truth", &scene, "--size", "64x48", "--out", &out];
+        args.extend(["--cache", &cache]);
+        args.extend(options);
+        let output = umbrage(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        grey(&out)
+    };
+    let entries = || fs::read_dir(&cache).expect("listed").count();
+    let between = |terms: &[u8]| terms.iter().filter(|term| !matches!(term, 0 | 255)).count();
+    for (light, size) in [("0", "5"), ("1", "0.4")] {
+        let sharp = terms(&["--light", light]);
+        let soft = terms(&["--light", light, "--light-size", size]);
+        assert_eq!(between(&sharp), 0, "light {light}");
+        assert!(between(&soft) > 20, "light {light}: {}", between(&soft));
+        let kept = entries();
+        assert_eq!(terms(&["--light", light, "--light-size", size]), soft);
+        assert_eq!(entries(), kept, "nothing was traced again");
+        let finer = terms(&["--light", light, "--light-size", size, "--rays", "16"]);
+        assert!(finer != soft && entries() == kept + 1);
+    }
+    let refused = |options: &[&str]| {
+        let mut args = vec!["truth", &scene, "--out", &out];
+        args.extend(options);
+        refusal(&args)
+    };
+    assert!(refused(&["--light-size=-1"]).contains("size"));
+    assert!(refused(&["--light-size", "NaN"]).contains("size"));
+    assert!(refused(&["--light-size", "1", "--rays", "65"]).contains("1 to 64"));
+    assert!(refused(&["--rays", "4"]).contains("--light-size"));
+}
+
+#[test]
 fn what_cannot_be_traced() {
     let folder = TempDir::new().expect("a folder");
     let out = path_in(&folder, "a.png");

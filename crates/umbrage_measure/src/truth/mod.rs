@@ -1,19 +1,25 @@
 //! Shadows by rays in f64. The crate's page tells the model.
 
+mod content;
 mod error;
 pub(crate) mod lamp;
 mod opacity;
 mod ray;
+mod record;
 #[cfg(test)]
 mod tests;
 mod triangles;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use umbrage_render::Scene;
 use umbrage_shadow::{Light, View};
 
-pub use self::error::TruthError;
+pub use self::{
+    error::TruthError,
+    record::{Truth, TruthStore},
+};
 use self::{lamp::Lamp, ray::Ray, triangles::Triangles};
 
 /// Pixels that a picture may have: an 8K picture's.
@@ -29,7 +35,7 @@ pub struct Tracer {
 }
 
 /// What each pixel of a picture sees.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sight {
     width: u32,
     height: u32,
@@ -37,7 +43,7 @@ pub struct Sight {
 }
 
 /// What a pixel sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Seen {
     /// The object, by its place in [`Scene::objects`].
     pub object: u32,

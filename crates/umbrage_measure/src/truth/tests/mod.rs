@@ -3,6 +3,7 @@
 mod closed_forms;
 mod gaps;
 mod holes;
+mod record;
 mod refusals;
 mod soft;
 mod stage;
