@@ -46,7 +46,7 @@ fn basic_fetches_what_its_width_says_and_where_its_map_is() {
     let aside = DVec3::new(5.5, 0.0, 1.0);
     for width in [1, 3, 5, 15] {
         // A bilinear fetch takes two of W + 1 columns and rows; a cube map's takes one direction.
-        let flat = ((width + 1) / 2) * ((width + 1) / 2);
+        let flat = u32::pow(width.div_ceil(2), 2);
         let cube = width * width;
         for (light, inside, outside) in [(SUN, flat, flat), (SPOT, flat, 0), (POINT, cube, cube)] {
             let scene = lit_by(light);
@@ -96,6 +96,40 @@ fn only_a_method_fetches() {
     let at = |point| fetches(&rendered)[pixel(&away, &rendered, point)];
     assert_eq!(at(DVec3::new(3.0, 3.0, -2.9)), 0.0);
     assert_eq!(at(DVec3::new(0.0, 0.0, 2.0)), 9.0);
+}
+
+/// Objects of one mesh are drawn together, whatever stands between them in the scene.
+#[test]
+fn triangles_tell_an_object_by_its_place_in_the_scene() {
+    let mut scene = scene(
+        r#"(
+        camera: (position: (0, 0, 9), target: (0, 0, 0)),
+        lights: [],
+        models: [
+            (shape: box(size: (1, 1, 1)), translation: (-2, 0, 0)),
+            (shape: sphere(radius: 0.5)),
+        ])"#,
+    );
+    let mut third = scene.objects[0].clone();
+    third.transform.translation.x = 2.0;
+    third.bounds = third.mesh.bounds(&third.transform);
+    scene.objects.push(third);
+    let rendered = renderer(methods())
+        .render(&scene, &small(What::Triangles))
+        .expect("renders");
+    let Picture::Triangles(seen) = &rendered.picture else {
+        unreachable!("triangles were asked for")
+    };
+    let at = |x| seen[pixel(&scene, &rendered, DVec3::new(x, 0.1, 0.5))];
+    let object = |x| at(x).map(|(object, _)| object);
+    assert_eq!(
+        [object(-2.0), object(0.0), object(2.0)],
+        [Some(0), Some(1), Some(2)]
+    );
+    // The same face of the same mesh; and between them, nothing.
+    let face = |x| at(x).map(|(_, triangle)| triangle);
+    assert_eq!(face(-2.0), face(2.0));
+    assert_eq!(at(1.1), None);
 }
 
 /// The bunny in the sun, in a picture that takes the device some time.
