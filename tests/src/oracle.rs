@@ -2,7 +2,7 @@
 //! middle of each texel find what the map holds, and `basic`'s twin filters it. Nothing of the GPU is
 //! used, so that a fault on either side shows.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, Vec2};
@@ -47,6 +47,8 @@ struct Triangle {
     corners: [DVec3; 3],
     uvs: [Vec2; 3],
     object: usize,
+    /// Its place in the object's mesh.
+    number: usize,
 }
 
 struct Hit {
@@ -64,7 +66,7 @@ impl<'a> Oracle<'a> {
         let mut triangles = Vec::new();
         for (object, instance) in scene.objects.iter().enumerate() {
             let mesh = &instance.mesh;
-            for indices in mesh.indices.chunks_exact(3) {
+            for (number, indices) in mesh.indices.chunks_exact(3).enumerate() {
                 let corner = |i: usize| {
                     instance
                         .transform
@@ -75,6 +77,7 @@ impl<'a> Oracle<'a> {
                     corners: [corner(0), corner(1), corner(2)],
                     uvs: [uv(0), uv(1), uv(2)],
                     object,
+                    number,
                 });
             }
         }
@@ -151,6 +154,53 @@ impl<'a> Oracle<'a> {
         width: u32,
         height: u32,
     ) -> Result<(DVec3, DVec3), Pixel> {
+        let (hit, position) = self.see(x, y, width, height)?;
+        let [a, b, c] = self.triangles[hit.triangle].corners;
+        let normal = (b - a).cross(c - a).normalize();
+        // The viewer stands at the origin.
+        let away = normal.dot(position) > 0.0;
+        Ok((position, if away { -normal } else { normal }))
+    }
+
+    /// The object and the triangle in its mesh that the pixel sees.
+    ///
+    /// # Errors
+    /// What it sees where that is no triangle for sure.
+    pub fn triangle(
+        &self,
+        x: u32,
+        y: u32,
+        width: u32,
+        height: u32,
+    ) -> Result<(usize, usize), Pixel> {
+        let (hit, _) = self.see(x, y, width, height)?;
+        let triangle = &self.triangles[hit.triangle];
+        Ok((triangle.object, triangle.number))
+    }
+
+    /// How many texture fetches the shadow term of the pixel takes: all that the plan promises where
+    /// it reads the map at all.
+    ///
+    /// # Errors
+    /// What the pixel sees where that is no surface for sure.
+    pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
+        let (position, normal) = self.receiver(x, y, width, height)?;
+        let reads = Cell::new(false);
+        if let Some(twin) = &self.twin {
+            twin.calc_shadow(position, normal, |_, _, _| {
+                reads.set(true);
+                0.0
+            });
+        }
+        Ok(if reads.get() {
+            self.plan.fetches_per_pixel
+        } else {
+            0
+        })
+    }
+
+    /// What the pixel sees, and where (metres, relative to the camera).
+    fn see(&self, x: u32, y: u32, width: u32, height: u32) -> Result<(Hit, DVec3), Pixel> {
         let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
         let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
         let (start, direction) = ray(self.view.view_proj_relative(), ndc);
@@ -160,11 +210,7 @@ impl<'a> Oracle<'a> {
             return Err(Pixel::Edge);
         }
         let position = start + direction * hit.distance;
-        let [a, b, c] = self.triangles[hit.triangle].corners;
-        let normal = (b - a).cross(c - a).normalize();
-        // The viewer stands at the origin.
-        let away = normal.dot(position) > 0.0;
-        Ok((position, if away { -normal } else { normal }))
+        Ok((hit, position))
     }
 
     /// The least and the greatest depth that a texel of the shadow map may hold.

@@ -91,12 +91,12 @@ impl Studio {
     fn check(&mut self, key: &Key) -> Option<String> {
         let axes = self.composer.library().axes().clone();
         let value = |axis: &str| axes.value(key, axis).unwrap_or("");
-        let shaded = matches!(value("pass"), "illumination" | "base");
         let drawn = self.staged(key);
-        let what = if shaded {
-            What::Shaded
-        } else {
-            What::ShadowTerm
+        let what = match value("pass") {
+            "illumination" | "base" => What::Shaded,
+            "fetch_count" => What::Fetches,
+            "triangle" => What::Triangles,
+            _ => What::ShadowTerm,
         };
         let rendered = self.render(&drawn, what);
         let projected = self.composer.project(key).expect("it was projected before");
@@ -108,16 +108,26 @@ impl Studio {
         {
             return Some(format!("{key} was not drawn"));
         }
-        let expected = self.expected(key, &drawn);
         let wrong = match (&rendered.picture, value("pass")) {
-            (Picture::ShadowTerm(terms), _) => {
-                compare(&expected, |pixel| Some(f64::from(terms[0][pixel])))
+            (Picture::ShadowTerm(terms), _) => compare(&self.expected(key, &drawn), |pixel| {
+                Some(f64::from(terms[0][pixel]))
+            }),
+            (Picture::Fetches(counts), _) => {
+                let promised = rendered.report.fetches_per_pixel;
+                compare_all(&drawn, &counts[0], 0.0, |oracle, x, y| {
+                    oracle.fetches(x, y, SIZE, SIZE).map(|count| count as f32)
+                })
+                .or_else(|| exceeds(&counts[0], promised))
             }
+            (Picture::Triangles(seen), _) => compare_all(&drawn, seen, None, |oracle, x, y| {
+                let (object, triangle) = oracle.triangle(x, y, SIZE, SIZE)?;
+                Ok(Some((object as u32, triangle as u32)))
+            }),
             // The base pass knows no light: that it is drawn, and valid, is all.
             (_, "base") => None,
             (Picture::Shaded(colors), _) => {
                 let unshadowed = self.unshadowed(key);
-                compare(&expected, |pixel| {
+                compare(&self.expected(key, &drawn), |pixel| {
                     let brightest =
                         |color: [f32; 3]| f64::from(color[0].max(color[1]).max(color[2]));
                     let lit = brightest(unshadowed[pixel]);
@@ -217,6 +227,53 @@ fn compare(expected: &[Pixel], rendered: impl Fn(usize) -> Option<f64>) -> Optio
     (!sharp || wrong > 0).then(|| {
         format!("{wrong} of {compared} pixels differ, by {worst:.3} at the most; {vague} are vague")
     })
+}
+
+/// How what was rendered differs from what the oracle says of each pixel. Where nothing is seen it is
+/// `nothing`.
+fn compare_all<T: PartialEq + Copy + std::fmt::Debug>(
+    drawn: &Stage,
+    rendered: &[T],
+    nothing: T,
+    expected: impl Fn(&Oracle<'_>, u32, u32) -> Result<T, Pixel>,
+) -> Option<String> {
+    let registry = umbrage::methods::registry().expect("names are unique");
+    let oracle = Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
+    let expected: Vec<_> = (0..SIZE * SIZE)
+        .map(|pixel| expected(&oracle, pixel % SIZE, pixel / SIZE))
+        .collect();
+    // What a ray passes by closely, a rasteriser may see.
+    let beside_something = |pixel: u32| {
+        let (x, y) = (pixel % SIZE, pixel / SIZE);
+        let near = |at: u32| at.saturating_sub(1)..=(at + 1).min(SIZE - 1);
+        near(y)
+            .any(|y| near(x).any(|x| expected[(y * SIZE + x) as usize] != Err(Pixel::Background)))
+    };
+    let (mut compared, mut wrong) = (0, Vec::new());
+    for (pixel, (expected, rendered)) in (0..).zip(expected.iter().zip(rendered)) {
+        let expected = match expected {
+            Ok(expected) => *expected,
+            Err(Pixel::Background) if !beside_something(pixel) => nothing,
+            Err(_) => continue,
+        };
+        compared += 1;
+        if expected != *rendered {
+            wrong.push((pixel % SIZE, pixel / SIZE, expected, *rendered));
+        }
+    }
+    (compared < SIZE * SIZE / 2 || !wrong.is_empty()).then(|| {
+        let first = wrong.first();
+        format!(
+            "{} of {compared} pixels differ, first {first:?}",
+            wrong.len()
+        )
+    })
+}
+
+/// Whether some count is more than its method promised.
+fn exceeds(counts: &[f32], promised: u32) -> Option<String> {
+    let most = counts.iter().copied().fold(0.0, f32::max);
+    (most > promised as f32).then(|| format!("{most} fetches, but {promised} were promised"))
 }
 
 #[test]

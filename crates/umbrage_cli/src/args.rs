@@ -93,6 +93,10 @@ pub(crate) enum What {
     Shaded,
     /// The bare shadow term: white is lit, black is in shadow.
     ShadowTerm,
+    /// Which triangle each pixel sees: each in a colour of its own.
+    Triangles,
+    /// The texture fetches of the shadow term: white where they are most, black where there are none.
+    Fetches,
 }
 
 #[derive(Args)]

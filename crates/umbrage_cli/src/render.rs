@@ -90,6 +90,8 @@ fn options(args: &RenderArgs) -> RenderOptions {
         what: match args.what {
             What::Shaded => render::What::Shaded,
             What::ShadowTerm => render::What::ShadowTerm,
+            What::Triangles => render::What::Triangles,
+            What::Fetches => render::What::Fetches,
         },
         method: args.method.clone(),
         ..RenderOptions::default()

@@ -40,8 +40,26 @@ pub(crate) struct Effect {
     pub(crate) root: Option<String>,
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
+    pub(crate) count_fetches: Option<CountFetches>,
     /// The same by numbers, for the library that has them.
     pub(crate) numbers: EffectNumbers,
+}
+
+/// A demand that a function be called before each texture fetch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct CountFetches {
+    /// The function, by its module's path and its name.
+    pub(crate) call: String,
+    /// The modules whose own fetches are none of the demand's.
+    pub(crate) except: Vec<String>,
+}
+
+impl CountFetches {
+    /// The modules that it names: the function's first.
+    pub(crate) fn modules(&self) -> impl Iterator<Item = &str> {
+        let (module, _) = self.call.rsplit_once("::").unwrap_or((&self.call, ""));
+        std::iter::once(module).chain(self.except.iter().map(String::as_str))
+    }
 }
 
 /// What a value asks of the linker, by the numbers of a library's modules and features.
@@ -50,6 +68,20 @@ pub(crate) struct EffectNumbers {
     pub(crate) root: Option<usize>,
     pub(crate) bind: Vec<(usize, usize)>,
     pub(crate) features: FeatureSet,
+    pub(crate) counting: Option<Counting>,
+}
+
+/// A demand that a function be called before each texture fetch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Counting {
+    /// The function's module.
+    pub(crate) module: usize,
+    /// The function's name.
+    pub(crate) function: String,
+    /// The modules whose own fetches are none of the demand's.
+    pub(crate) except: Vec<usize>,
+    /// The features under which the function is to be called.
+    pub(crate) features: Vec<String>,
 }
 
 /// A combination of values that makes no sense.
@@ -242,6 +274,10 @@ impl Axes {
                     .map(|(k, v)| (own(k), own(v)))
                     .collect(),
                 features: effect.features,
+                count_fetches: effect.count_fetches.map(|count| CountFetches {
+                    call: own(count.call),
+                    except: count.except.into_iter().map(own).collect(),
+                }),
                 numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.clone(), effect).is_some() {
@@ -307,6 +343,16 @@ struct EffectFile {
     bind: BTreeMap<String, String>,
     #[serde(default)]
     features: Vec<String>,
+    #[serde(default)]
+    count_fetches: Option<CountFetchesFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CountFetchesFile {
+    call: String,
+    #[serde(default)]
+    except: Vec<String>,
 }
 
 #[derive(Deserialize)]

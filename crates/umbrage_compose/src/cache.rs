@@ -65,7 +65,12 @@ impl DiskCache {
         // What the choices ask of the linker may change with the axes, and the key stay the same.
         for (axis, effect) in library.axes().effects(key) {
             part(axis.name.as_bytes());
-            let asked = (&effect.root, &effect.bind, &effect.features);
+            let asked = (
+                &effect.root,
+                &effect.bind,
+                &effect.features,
+                &effect.count_fetches,
+            );
             part(format!("{asked:?}").as_bytes());
         }
         for module in &dependencies.modules {

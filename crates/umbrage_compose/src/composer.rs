@@ -10,6 +10,7 @@ use crate::{
     Error, Fault, Key, Library, Permutation, Target,
     cache::DiskCache,
     features::{FeatureSet, Features},
+    fetches,
     library::Request,
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
@@ -179,6 +180,9 @@ impl Composer {
             projected.clone(),
             (request.root, linked),
         )?;
+        for counting in &request.counting {
+            fetches::check(&self.library, request.root, counting, &permutation.module)?;
+        }
         if let Some((disk, name)) = &name {
             warnings.extend(disk.keep(name, &permutation));
         }

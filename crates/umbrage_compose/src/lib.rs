@@ -57,6 +57,19 @@
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
 //! are put at their defaults. Keys of one projection are one permutation.
 //!
+//! # Counted fetches
+//! What a pixel costs is best counted where it is spent. A value of an axis may ask that a function be
+//! called before each texture fetch:
+//! ```ron
+//! "fetch_count": (
+//!     root: "package::flat",
+//!     features: ["COUNT_FETCHES"],
+//!     count_fetches: (call: "package::fetches::count_fetch", except: ["package::material"]),
+//! )
+//! ```
+//! In what its fragment stages reach, outside the modules excepted, each fetch is then paired with a
+//! call before it in the same run of plain statements; one that is not is a fault, at its own place.
+//!
 //! # Faults
 //! Every fault says what is wrong, where (file, line, column, source line), and what to do; and in which
 //! permutation. See [`Fault`].
@@ -68,6 +81,7 @@ mod composer;
 mod copy;
 mod error;
 mod features;
+mod fetches;
 mod interface;
 mod key;
 mod library;

@@ -7,7 +7,7 @@ use std::{
 
 use crate::{
     Axes, Cause, Error, Fault, Key, Package,
-    axes::EffectNumbers,
+    axes::{CountFetches, Counting, EffectNumbers},
     error::nearest,
     features::{FeatureNames, FeatureSet},
     package::Dependency,
@@ -41,6 +41,8 @@ pub(crate) struct Request {
     /// Interfaces and the modules that implement them.
     pub(crate) bindings: BTreeMap<usize, usize>,
     pub(crate) features: FeatureSet,
+    /// What is to be called before each texture fetch.
+    pub(crate) counting: Vec<Counting>,
 }
 
 impl Library {
@@ -92,6 +94,15 @@ impl Library {
                     .filter_map(|(k, v)| Some((module(k)?, module(v)?)))
                     .collect(),
                 features: features.set(&effect.features),
+                counting: effect.count_fetches.as_ref().and_then(|count| {
+                    let (path, function) = count.call.rsplit_once("::")?;
+                    Some(Counting {
+                        module: by_path.get(path).copied()?,
+                        function: function.to_owned(),
+                        except: count.except.iter().filter_map(module).collect(),
+                        features: effect.features.clone(),
+                    })
+                }),
             };
         }
         let library = Self(Arc::new(Inner {
@@ -207,6 +218,7 @@ impl Library {
                 }
             }
             request.features.union(&effect.numbers.features);
+            request.counting.extend(effect.numbers.counting.clone());
         }
         request.root = root.ok_or_else(|| {
             Fault::new(
@@ -226,7 +238,9 @@ impl Library {
                     .bind
                     .iter()
                     .flat_map(|(k, v)| [k, v])
-                    .chain(&effect.root);
+                    .chain(&effect.root)
+                    .map(String::as_str)
+                    .chain(effect.count_fetches.iter().flat_map(CountFetches::modules));
                 for path in modules {
                     if self.module(path).is_none() {
                         let fault = self.no_module(Cause::Manifest, path);

@@ -75,5 +75,6 @@ fn same(a: &EffectNumbers, b: &EffectNumbers, found: &Dependencies) -> bool {
             .iter()
             .filter(needed)
             .eq(b.bind.iter().filter(needed))
+        && a.counting == b.counting
         && a.features.same_among(&b.features, &found.consulted.asked)
 }

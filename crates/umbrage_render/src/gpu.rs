@@ -10,6 +10,8 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     adapter: String,
+    /// Nanoseconds a tick of its clock; none where it tells no times.
+    timestamp_period: Option<f32>,
     stray: Arc<Mutex<Vec<String>>>,
 }
 
@@ -61,6 +63,8 @@ impl Gpu {
         let name = adapter.get_info().name;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("umbrage"),
+            // Beyond the baseline, and for measuring alone.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             ..Default::default()
         };
         let (device, queue) =
@@ -76,7 +80,9 @@ impl Gpu {
                 .unwrap_or_else(PoisonError::into_inner)
                 .push(error.to_string());
         }));
+        let timed = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         Ok(Self {
+            timestamp_period: timed.then(|| queue.get_timestamp_period()),
             device,
             queue,
             adapter: name,
@@ -101,6 +107,54 @@ impl Gpu {
     /// The adapter's name.
     pub fn adapter(&self) -> &str {
         &self.adapter
+    }
+
+    /// Whether the adapter tells how long a pass takes; where it does not, a report has no
+    /// [`times`](crate::Report::times).
+    pub fn has_timestamps(&self) -> bool {
+        self.timestamp_period.is_some()
+    }
+
+    /// Nanoseconds a tick of a timestamp; none where the adapter has none.
+    pub(crate) fn timestamp_period(&self) -> Option<f32> {
+        self.timestamp_period
+    }
+
+    /// Waits until all that was submitted is done.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        match self.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(GpuError::Refused(format!("it did not finish: {error}"))),
+        }
+    }
+
+    /// Waits until all that was submitted is done, and gives the bytes of `buffer`.
+    pub(crate) fn read(
+        &self,
+        buffer: &wgpu::Buffer,
+        read: impl FnOnce(&[u8]),
+    ) -> Result<(), GpuError> {
+        let refused = |error: &dyn std::fmt::Display| {
+            GpuError::Refused(format!("a result cannot be read back: {error}"))
+        };
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver waits below, unless waiting failed and says so itself.
+            let _ = sender.send(result);
+        });
+        self.wait()?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(refused(&error)),
+            Err(error) => return Err(refused(&error)),
+        }
+        let mapped = buffer
+            .get_mapped_range(..)
+            .map_err(|error| refused(&error))?;
+        read(&mapped);
+        drop(mapped);
+        buffer.unmap();
+        Ok(())
     }
 
     /// Does `work`, and gives the first error that the device found in it.

@@ -45,7 +45,7 @@ mod scene;
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
 pub use pack::{PackError, pack};
-pub use picture::{PermutationUse, Picture, Rendered, Report};
+pub use picture::{PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, Level, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Texture,

@@ -29,6 +29,11 @@ pub enum Picture {
     Shaded(Vec<[f32; 3]>),
     /// For each light its shadow term: 1 lit, 0 in shadow; 1 where there is nothing to see.
     ShadowTerm(Vec<Vec<f32>>),
+    /// The object, by its place in [`Scene::objects`](crate::Scene::objects), and the triangle, by its
+    /// place in the object's mesh; none where there is nothing to see.
+    Triangles(Vec<Option<(u32, u32)>>),
+    /// For each light how many texture fetches its shadow term takes; 0 where there is nothing to see.
+    Fetches(Vec<Vec<f32>>),
 }
 
 /// How a picture came about.
@@ -42,15 +47,41 @@ pub struct Report {
     pub passes: u32,
     /// Draw calls.
     pub draws: u32,
+    /// Those of the passes that draw casters into shadow maps.
+    pub caster_passes: u32,
+    /// Those of the draw calls that are in caster passes.
+    pub caster_draws: u32,
     /// Texels in the textures of shadow methods.
     pub texels: u64,
+    /// Bytes of these textures, by their formats; what a driver adds is not known.
+    pub shadow_bytes: u64,
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
     pub fetches_per_pixel: u32,
     /// What each light's method planned, by the lights' places in the scene; none where it has no
     /// method, or reaches nothing that is seen.
     pub plans: Vec<Option<ShadowPlan>>,
+    /// The passes' times, in the order in which they ran: taken by the device's clock, where
+    /// [`timed`](crate::RenderOptions::timed) asks for them and [the device has
+    /// one](crate::Gpu::has_timestamps), else empty.
+    pub times: Vec<PassTime>,
+    /// Wall-clock time from submitting the passes to their end, uploads of what is new among them, over
+    /// all submissions (a shadow term's or a fetch count's are one a light); milliseconds. What there is
+    /// to go by where passes cannot be timed.
+    pub gpu_milliseconds: f64,
     /// Wall-clock time from the scene to the pixels in memory; milliseconds.
+    pub milliseconds: f64,
+}
+
+/// How long a pass took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// What it drew: `casters`, or the value of the axis `pass` that the camera's pass has, such as
+    /// `illumination`.
+    pub pass: String,
+    /// The light for which it drew, where it did so for one.
+    pub light: Option<String>,
+    /// Between the pass's beginning and its end; milliseconds of the device's clock.
     pub milliseconds: f64,
 }
 
@@ -100,7 +131,8 @@ impl Rendered {
 impl Picture {
     /// The picture of the given size in 8 bits: a shaded one in RGB, clamped to 0..1 without exposure
     /// or tone mapping and encoded as sRGB; a shadow term as grey, the product over the lights, not
-    /// encoded: code 255 is lit.
+    /// encoded: code 255 is lit; triangles each in a colour of its own, black where there is none;
+    /// fetches as grey, the sum over the lights, code 255 for the most in the picture.
     pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         match self {
@@ -115,6 +147,22 @@ impl Picture {
                 image::Luma([(product.clamp(0.0, 1.0) * 255.0).round() as u8])
             })
             .into(),
+            Self::Triangles(pixels) => image::RgbImage::from_fn(width, height, |x, y| {
+                let seen = pixels.get(index(x, y)).copied().flatten();
+                image::Rgb(seen.map(triangle_color).unwrap_or_default())
+            })
+            .into(),
+            Self::Fetches(lights) => {
+                let sum = |pixel: usize| -> f32 {
+                    lights.iter().filter_map(|light| light.get(pixel)).sum()
+                };
+                let pixels = lights.iter().map(Vec::len).max().unwrap_or_default();
+                let most = (0..pixels).map(sum).fold(1.0, f32::max);
+                image::GrayImage::from_fn(width, height, |x, y| {
+                    image::Luma([(sum(index(x, y)) / most * 255.0).round() as u8])
+                })
+                .into()
+            }
         }
     }
 
@@ -149,6 +197,17 @@ impl Picture {
             .map_err(|error| unwritable(error.error))?;
         Ok(())
     }
+}
+
+/// A colour that neighbours hardly share and black is not: the last mixing of MurmurHash3 (Appleby
+/// 2011).
+fn triangle_color((object, triangle): (u32, u32)) -> [u8; 3] {
+    let mut hash = triangle ^ object.rotate_left(16);
+    for (shift, factor) in [(16, 0x85eb_ca6b), (13, 0xc2b2_ae35), (16, 1)] {
+        hash = (hash ^ (hash >> shift)).wrapping_mul(factor);
+    }
+    let [r, g, b, _] = hash.to_le_bytes();
+    [r, g, b].map(|code| 64 + code / 4 * 3)
 }
 
 /// A temporary file is its owner's alone; a picture is for all whom the folder lets in.
@@ -194,6 +253,32 @@ mod tests {
     fn shadow_terms_are_multiplied() {
         let image = rendered(Picture::ShadowTerm(vec![vec![1.0, 0.5], vec![0.5, 0.5]]));
         assert_eq!(image.to_image().into_luma8().into_raw(), [128, 64]);
+    }
+
+    #[test]
+    fn triangles_have_colours_of_their_own() {
+        let color = |seen| {
+            let image = rendered(Picture::Triangles(vec![seen, None])).to_image();
+            let codes = image.into_rgb8().into_raw();
+            assert_eq!(codes[3..], [0; 3], "nothing is black");
+            [codes[0], codes[1], codes[2]]
+        };
+        let mut colors: Vec<_> = (0..8)
+            .flat_map(|object| (0..8).map(move |triangle| Some((object, triangle))))
+            .map(color)
+            .collect();
+        assert!(colors.iter().flatten().all(|code| *code >= 64));
+        colors.sort_unstable();
+        colors.dedup();
+        assert_eq!(colors.len(), 64);
+    }
+
+    #[test]
+    fn fetches_are_added_up_and_scaled() {
+        let image = rendered(Picture::Fetches(vec![vec![1.0, 0.0], vec![3.0, 1.0]]));
+        assert_eq!(image.to_image().into_luma8().into_raw(), [255, 64]);
+        let none = rendered(Picture::Fetches(vec![vec![0.0, 0.0]]));
+        assert_eq!(none.to_image().into_luma8().into_raw(), [0, 0]);
     }
 
     #[test]

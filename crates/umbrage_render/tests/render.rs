@@ -116,7 +116,12 @@ fn lights_of_one_name_keep_their_own_maps() {
 #[test]
 fn the_same_input_gives_the_same_pixels() {
     let scene = example("leaves.ron");
-    for what in [What::Shaded, What::ShadowTerm] {
+    for what in [
+        What::Shaded,
+        What::ShadowTerm,
+        What::Triangles,
+        What::Fetches,
+    ] {
         let render = || {
             renderer(methods())
                 .render(&scene, &small(what))

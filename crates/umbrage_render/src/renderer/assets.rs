@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    ops::Range,
     sync::{Arc, Weak},
 };
 
@@ -13,8 +14,9 @@ use crate::{
 /// A mesh on the device.
 pub(super) struct GpuMesh {
     attributes: [wgpu::Buffer; 3],
-    pub(super) indices: wgpu::Buffer,
-    pub(super) count: u32,
+    /// None where the vertices stand in the order in which they are drawn.
+    indices: Option<wgpu::Buffer>,
+    count: u32,
 }
 
 impl GpuMesh {
@@ -22,13 +24,35 @@ impl GpuMesh {
     pub(super) fn attribute(&self, location: u32) -> Option<&wgpu::Buffer> {
         self.attributes.get(location as usize)
     }
+
+    /// Draws `instances` of it with what is set.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, instances: Range<u32>) {
+        match &self.indices {
+            Some(indices) => {
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..self.count, 0, instances);
+            }
+            None => pass.draw(0..self.count, instances),
+        }
+    }
+}
+
+/// How a mesh's triangles come by their vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Vertices {
+    /// By indices.
+    Shared,
+    /// Three of its own for each triangle, in the order of the triangles: a vertex's number tells its
+    /// triangle.
+    Own,
 }
 
 /// What is on the device, by the address of what it was made from. The weak reference keeps the
 /// address from being given to another, and the source from being changed in place.
 #[derive(Default)]
 pub(super) struct Assets {
-    meshes: HashMap<usize, (Weak<Mesh>, Arc<GpuMesh>)>,
+    /// Also by how they are drawn.
+    meshes: HashMap<(usize, Vertices), (Weak<Mesh>, Arc<GpuMesh>)>,
     images: HashMap<usize, (Weak<Image>, wgpu::TextureView)>,
 }
 
@@ -41,14 +65,21 @@ impl Assets {
             .retain(|_, (source, _)| source.strong_count() > 0);
     }
 
-    pub(super) fn mesh(&mut self, gpu: &Gpu, object: &Object) -> Result<Arc<GpuMesh>, RenderError> {
+    pub(super) fn mesh(
+        &mut self,
+        gpu: &Gpu,
+        object: &Object,
+        vertices: Vertices,
+    ) -> Result<Arc<GpuMesh>, RenderError> {
         let source = &object.mesh;
-        if let Some((_, mesh)) = self.meshes.get(&address(source)) {
+        let id = (address(source), vertices);
+        if let Some((_, mesh)) = self.meshes.get(&id) {
             return Ok(Arc::clone(mesh));
         }
-        let mesh = Arc::new(upload_mesh(gpu, object)?);
+        check_mesh(object)?;
+        let mesh = Arc::new(upload_mesh(gpu, object, vertices)?);
         let entry = (Arc::downgrade(source), Arc::clone(&mesh));
-        self.meshes.insert(address(source), entry);
+        self.meshes.insert(id, entry);
         Ok(mesh)
     }
 
@@ -73,7 +104,7 @@ fn address<T>(source: &Arc<T>) -> usize {
     Arc::as_ptr(source).addr()
 }
 
-fn upload_mesh(gpu: &Gpu, object: &Object) -> Result<GpuMesh, RenderError> {
+fn check_mesh(object: &Object) -> Result<(), RenderError> {
     let mesh = &object.mesh;
     let vertices = mesh.positions.len();
     let fits = |what: &str, ok: bool| {
@@ -93,22 +124,45 @@ fn upload_mesh(gpu: &Gpu, object: &Object) -> Result<GpuMesh, RenderError> {
             .iter()
             .all(|index| (*index as usize) < vertices),
     )?;
-    fits("indices", u32::try_from(mesh.indices.len()).is_ok())?;
+    fits("indices", u32::try_from(mesh.indices.len()).is_ok())
+}
+
+/// Uploads a mesh whose arrays fit each other.
+fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh, RenderError> {
+    let mesh = &object.mesh;
     let what = format!("the mesh of object `{}`", object.name);
     let vertex = |bytes| gpu.buffer(&what, wgpu::BufferUsages::VERTEX, bytes);
-    Ok(GpuMesh {
-        attributes: [
-            vertex(bytemuck::cast_slice(&mesh.positions))?,
-            vertex(bytemuck::cast_slice(&mesh.normals))?,
-            vertex(bytemuck::cast_slice(&mesh.uvs))?,
-        ],
-        indices: gpu.buffer(
-            &what,
-            wgpu::BufferUsages::INDEX,
-            bytemuck::cast_slice(&mesh.indices),
-        )?,
-        count: mesh.indices.len() as u32,
-    })
+    let count = mesh.indices.len() as u32;
+    match vertices {
+        Vertices::Shared => Ok(GpuMesh {
+            attributes: [
+                vertex(bytemuck::cast_slice(&mesh.positions))?,
+                vertex(bytemuck::cast_slice(&mesh.normals))?,
+                vertex(bytemuck::cast_slice(&mesh.uvs))?,
+            ],
+            indices: Some(gpu.buffer(
+                &what,
+                wgpu::BufferUsages::INDEX,
+                bytemuck::cast_slice(&mesh.indices),
+            )?),
+            count,
+        }),
+        Vertices::Own => Ok(GpuMesh {
+            attributes: [
+                vertex(bytemuck::cast_slice(&own(mesh, &mesh.positions)))?,
+                vertex(bytemuck::cast_slice(&own(mesh, &mesh.normals)))?,
+                vertex(bytemuck::cast_slice(&own(mesh, &mesh.uvs)))?,
+            ],
+            indices: None,
+            count,
+        }),
+    }
+}
+
+/// `values`, one a vertex, as the mesh's indices list them.
+fn own<T: Copy>(mesh: &Mesh, values: &[T]) -> Vec<T> {
+    let listed = mesh.indices.iter().map(|index| values.get(*index as usize));
+    listed.flatten().copied().collect()
 }
 
 fn upload_image(gpu: &Gpu, what: &str, image: &Image) -> Result<wgpu::TextureView, RenderError> {

@@ -12,11 +12,12 @@ use umbrage_shadow::{Constants, Value};
 
 use super::{
     RenderOptions, Renderer,
-    assets::{self, GpuMesh},
+    assets::{self, GpuMesh, Vertices},
     lights::{self, LightSetup},
     objects::{Objects, Run},
     pipelines::{DrawState, Pipeline},
     shadows::{ShadowResources, TextureId},
+    timer::Timer,
 };
 use crate::{
     PermutationUse, RenderError, Report, pack,
@@ -29,6 +30,7 @@ pub(super) struct FrameState<'a> {
     pub(super) objects: Objects<'a>,
     pub(super) encoder: wgpu::CommandEncoder,
     pub(super) report: Report,
+    pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
     /// By the full key, so that each is asked for once.
@@ -47,6 +49,7 @@ pub(super) struct PassInputs<'a> {
     pub(super) ambient: Vec3,
     /// The light that the shader reads.
     pub(super) light: Option<LightInputs<'a>>,
+    pub(super) vertices: Vertices,
     /// With `front` as it is for objects that are not mirrored.
     pub(super) state: DrawState,
 }
@@ -72,12 +75,14 @@ impl<'a> FrameState<'a> {
         options: &'a RenderOptions,
         objects: Objects<'a>,
         encoder: wgpu::CommandEncoder,
+        timer: Timer,
     ) -> Self {
         Self {
             options,
             objects,
             encoder,
             report: Report::default(),
+            timer,
             shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
             instances: Vec::new(),
@@ -99,8 +104,7 @@ pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
                 pass.set_vertex_buffer(slot as u32, buffer.slice(..));
             }
         }
-        pass.set_index_buffer(command.mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..command.mesh.count, 0, command.instances.clone());
+        command.mesh.draw(pass, command.instances.clone());
     }
 }
 
@@ -150,7 +154,7 @@ impl Renderer {
                 }
                 groups.push(bound);
             }
-            let mesh = self.assets.mesh(&self.gpu, object)?;
+            let mesh = self.assets.mesh(&self.gpu, object, inputs.vertices)?;
             commands.push(Command {
                 pipeline,
                 groups,

@@ -1,34 +1,36 @@
 //! Renders a scene: shadow maps, then what the camera sees.
 
 mod assets;
+mod camera;
 mod draw;
 mod lights;
 mod objects;
 mod pipelines;
 mod shadows;
 mod target;
+mod timer;
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, HashMap},
     sync::Arc,
     time::Instant,
 };
 
-use glam::{Mat4, Vec3};
+use glam::Mat4;
 use umbrage_compose::{Composer, Key};
 use umbrage_shadow::{Aabb, PlanError, Registry, TextureDesc, View};
 
 use self::{
     assets::Assets,
-    draw::{FrameState, LightInputs, PassInputs, record, unfiltered},
+    draw::FrameState,
     lights::LightSetup,
     objects::Objects,
     pipelines::{DrawState, Pipeline},
-    shadows::{ShadowResources, TextureId},
-    target::{DEPTH, Target},
+    shadows::TextureId,
+    timer::Timer,
 };
 use crate::{
-    Gpu, Picture, RenderError, Rendered,
+    Gpu, RenderError, Rendered,
     scene::{Image, Scene},
 };
 
@@ -59,6 +61,9 @@ pub struct RenderOptions {
     pub axes: BTreeMap<String, String>,
     /// Values for settings of the lights' methods, put in place of the scene's.
     pub settings: BTreeMap<String, f64>,
+    /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
+    /// that costs a little time itself.
+    pub timed: bool,
 }
 
 /// What a picture shows.
@@ -69,6 +74,10 @@ pub enum What {
     Shaded,
     /// For each light its shadow term alone.
     ShadowTerm,
+    /// Which triangle each pixel sees.
+    Triangles,
+    /// For each light the texture fetches that its shadow term takes, counted on the device.
+    Fetches,
 }
 
 impl Default for RenderOptions {
@@ -80,6 +89,7 @@ impl Default for RenderOptions {
             method: None,
             axes: BTreeMap::new(),
             settings: BTreeMap::new(),
+            timed: false,
         }
     }
 }
@@ -170,10 +180,17 @@ impl Renderer {
             visible,
         };
         let encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut frame = FrameState::new(options, objects, encoder);
+        let mut frame = FrameState::new(
+            options,
+            objects,
+            encoder,
+            Timer::new(&self.gpu, options.timed),
+        );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
+            What::Triangles => self.triangles(&mut frame, &shot)?,
+            What::Fetches => self.fetches(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
@@ -185,138 +202,6 @@ impl Renderer {
             adapter: self.gpu.adapter().to_owned(),
             report: frame.report,
         })
-    }
-
-    fn shaded(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        shot: &Shot<'_>,
-    ) -> Result<Picture, RenderError> {
-        let format = wgpu::TextureFormat::Rgba16Float;
-        let target = Target::new(&self.gpu, frame.options.width, frame.options.height, format)?;
-        let background = shot.scene.background.as_dvec3();
-        let clear = wgpu::Color {
-            r: background.x,
-            g: background.y,
-            b: background.z,
-            a: 1.0,
-        };
-        let base = PassInputs {
-            pass: "base",
-            cause: None,
-            view_proj: shot.view_proj,
-            ambient: shot.scene.ambient,
-            light: None,
-            state: camera_state(format, false, None),
-        };
-        let commands = self.prepare(frame, &base, &shot.visible)?;
-        record(
-            &mut target.begin(&mut frame.encoder, Some(clear)),
-            &commands,
-        );
-        frame.report.passes += 1;
-        for light in &shot.lights {
-            let lit = lit(frame, shot, light);
-            if lit.is_empty() {
-                continue;
-            }
-            let shadow = self.shadow(frame, shot, light, &lit)?;
-            let constants = lights::constants(&light.source.light, shot.view.position);
-            let inputs = PassInputs {
-                pass: "illumination",
-                cause: Some(&light.source.name),
-                view_proj: shot.view_proj,
-                ambient: Vec3::ZERO,
-                light: Some(LightInputs {
-                    setup: light,
-                    constants: &constants,
-                    shadow: shadow.as_ref(),
-                }),
-                state: camera_state(format, true, shadow.as_ref()),
-            };
-            let commands = self.prepare(frame, &inputs, &lit)?;
-            record(&mut target.begin(&mut frame.encoder, None), &commands);
-            frame.report.passes += 1;
-        }
-        let bytes = self.finish(frame, &target)?;
-        let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f32();
-        let pixel = |b: &[u8]| [half(&b[0..2]), half(&b[2..4]), half(&b[4..6])];
-        Ok(Picture::Shaded(bytes.chunks_exact(8).map(pixel).collect()))
-    }
-
-    fn shadow_terms(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        shot: &Shot<'_>,
-    ) -> Result<Picture, RenderError> {
-        let format = wgpu::TextureFormat::R32Float;
-        let target = Target::new(&self.gpu, frame.options.width, frame.options.height, format)?;
-        let mut terms = Vec::new();
-        for light in &shot.lights {
-            let lit = lit(frame, shot, light);
-            let shadow = if lit.is_empty() {
-                None
-            } else {
-                self.shadow(frame, shot, light, &lit)?
-            };
-            let constants = lights::constants(&light.source.light, shot.view.position);
-            // What the light does not reach is drawn for no light's sake.
-            let inputs = |reads: Option<_>, state| PassInputs {
-                pass: "shadow_term",
-                cause: reads.is_some().then_some(light.source.name.as_str()),
-                view_proj: shot.view_proj,
-                ambient: Vec3::ZERO,
-                light: reads,
-                state,
-            };
-            let own = LightInputs {
-                setup: light,
-                constants: &constants,
-                shadow: shadow.as_ref(),
-            };
-            let state = camera_state(format, false, shadow.as_ref());
-            let mut commands = self.prepare(frame, &inputs(Some(own), state), &lit)?;
-            // What the light does not reach hides what lies behind it, and is shaded by nothing.
-            let unlit: Vec<_> = shot
-                .visible
-                .iter()
-                .copied()
-                .filter(|s| lit.binary_search(s).is_err())
-                .collect();
-            let state = camera_state(format, false, None);
-            commands.extend(self.prepare(frame, &inputs(None, state), &unlit)?);
-            record(
-                &mut target.begin(&mut frame.encoder, Some(wgpu::Color::WHITE)),
-                &commands,
-            );
-            frame.report.passes += 1;
-            let bytes = self.finish(frame, &target)?;
-            let term = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-            terms.push(bytes.chunks_exact(4).map(term).collect());
-        }
-        Ok(Picture::ShadowTerm(terms))
-    }
-
-    /// Draws a light's shadow maps, where it has a method.
-    fn shadow(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        shot: &Shot<'_>,
-        light: &LightSetup<'_>,
-        lit: &[usize],
-    ) -> Result<Option<ShadowResources>, RenderError> {
-        match &light.method {
-            Some(setup) => self.cast(frame, &shot.view, light, setup, lit).map(Some),
-            None => Ok(None),
-        }
-    }
-
-    /// Runs what was recorded, and reads the colours back.
-    fn finish(&self, frame: &mut FrameState<'_>, target: &Target) -> Result<Vec<u8>, RenderError> {
-        let next = self.gpu.device.create_command_encoder(&Default::default());
-        let encoder = std::mem::replace(&mut frame.encoder, next);
-        self.gpu.queue.submit([encoder.finish()]);
-        Ok(target.read(&self.gpu)?)
     }
 }
 
@@ -340,35 +225,4 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
         })?;
     }
     Ok(())
-}
-
-/// The slots of what may be seen and is reached by `light`.
-fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<usize> {
-    let reached = |bounds| light.source.light.reaches(bounds);
-    let slots = frame.objects.iter().filter(|(slot, object)| {
-        shot.visible.binary_search(slot).is_ok() && reached(&object.bounds)
-    });
-    slots.map(|(slot, _)| slot).collect()
-}
-
-/// How the camera's passes draw: nearest wins, depth reversed, both sides of a triangle seen. A
-/// pass that adds light meets the depth that the base pass left, computed alike.
-fn camera_state(
-    format: wgpu::TextureFormat,
-    additive: bool,
-    shadow: Option<&ShadowResources>,
-) -> DrawState {
-    DrawState {
-        color: Some((format, additive)),
-        depth: DEPTH,
-        compare: wgpu::CompareFunction::GreaterEqual,
-        write_depth: !additive,
-        cull: None,
-        front: wgpu::FrontFace::Ccw,
-        unfiltered: if shadow.is_some() {
-            unfiltered(shadow)
-        } else {
-            BTreeSet::new()
-        },
-    }
 }

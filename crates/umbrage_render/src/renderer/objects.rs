@@ -16,6 +16,8 @@ pub(super) struct Objects<'a> {
 
 struct Entry<'a> {
     object: &'a Object,
+    /// Its place in the scene.
+    index: usize,
     /// What instances of one draw share: mesh, material, and whether the transform mirrors.
     batch: (usize, usize, bool),
     model: Mat4,
@@ -56,6 +58,7 @@ impl<'a> Objects<'a> {
             let normal = Mat4::from_mat3(normal_matrix(transform.matrix3).as_mat3());
             entries.push(Entry {
                 object,
+                index,
                 batch,
                 model,
                 normal,
@@ -67,6 +70,11 @@ impl<'a> Objects<'a> {
     /// All slots with their objects.
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, &'a Object)> {
         self.entries.iter().map(|entry| entry.object).enumerate()
+    }
+
+    /// The place in the scene of the object at `slot`.
+    pub(super) fn index(&self, slot: usize) -> Option<usize> {
+        self.entries.get(slot).map(|entry| entry.index)
     }
 
     /// The draws that cover `slots`, which ascend.

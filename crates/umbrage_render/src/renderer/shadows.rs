@@ -10,9 +10,11 @@ use umbrage_shadow::{
 
 use super::{
     Renderer,
+    assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
     pipelines::DrawState,
+    timer::Mark,
 };
 use crate::RenderError;
 
@@ -65,8 +67,10 @@ impl Renderer {
             samplers: BTreeMap::new(),
         };
         for (desc, texture) in textures.into_values() {
-            frame.report.texels +=
-                u64::from(desc.width) * u64::from(desc.height) * u64::from(desc.shape.layers());
+            let size = size(&desc);
+            let layer = u64::from(size.width) * u64::from(size.height);
+            frame.report.texels += layer * u64::from(size.depth_or_array_layers);
+            frame.report.shadow_bytes += desc.format.theoretical_memory_footprint(size);
             let view = texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(match desc.shape {
                     TextureShape::D2 => wgpu::TextureViewDimension::D2,
@@ -110,14 +114,9 @@ impl Renderer {
                 Some((_, texture)) => texture.clone(),
                 None => {
                     let what = format!("texture `{}` of light `{}`", desc.name, light.source.name);
-                    let size = wgpu::Extent3d {
-                        width: desc.width,
-                        height: desc.height,
-                        depth_or_array_layers: desc.shape.layers(),
-                    };
                     let usage = wgpu::TextureUsages::TEXTURE_BINDING
                         | wgpu::TextureUsages::RENDER_ATTACHMENT;
-                    let texture = self.gpu.texture(&what, size, 1, desc.format, usage)?;
+                    let texture = self.gpu.texture(&what, size(desc), 1, desc.format, usage)?;
                     self.shadow_maps.insert(id, (desc.clone(), texture.clone()));
                     texture
                 }
@@ -149,6 +148,7 @@ impl Renderer {
             view_proj: pass.view_proj,
             ambient: Vec3::ZERO,
             light: None,
+            vertices: Vertices::Shared,
             state: DrawState {
                 color: None,
                 depth: desc.format,
@@ -166,6 +166,9 @@ impl Renderer {
             array_layer_count: Some(1),
             ..Default::default()
         });
+        let mark = frame
+            .timer
+            .mark(&self.gpu, "casters", Some(&light.source.name));
         let mut recorded = frame
             .encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -178,6 +181,7 @@ impl Renderer {
                     }),
                     stencil_ops: None,
                 }),
+                timestamp_writes: mark.as_ref().map(Mark::writes),
                 ..Default::default()
             });
         let area = &pass.viewport;
@@ -185,7 +189,17 @@ impl Renderer {
         recorded.set_viewport(x, y, width, height, 0.0, 1.0);
         record(&mut recorded, &commands);
         frame.report.passes += 1;
+        frame.report.caster_passes += 1;
+        frame.report.caster_draws += commands.len() as u32;
         Ok(())
+    }
+}
+
+fn size(desc: &TextureDesc) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: desc.width,
+        height: desc.height,
+        depth_or_array_layers: desc.shape.layers(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is rendered into, and how it comes back.
 
+use super::timer::Mark;
 use crate::{Gpu, GpuError, RenderError};
 
 /// A colour and a depth texture of the picture's size.
@@ -45,11 +46,13 @@ impl Target {
         })
     }
 
-    /// Begins a pass; `clear` is the colour to begin with, none keeps what is there, depth too.
+    /// Begins a pass; `clear` is the colour to begin with, none keeps what is there, depth too. `mark`
+    /// takes its time.
     pub(super) fn begin<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
         clear: Option<wgpu::Color>,
+        mark: Option<&Mark>,
     ) -> wgpu::RenderPass<'a> {
         let store = wgpu::StoreOp::Store;
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -72,6 +75,7 @@ impl Target {
                 }),
                 stencil_ops: None,
             }),
+            timestamp_writes: mark.map(Mark::writes),
             ..Default::default()
         })
     }
@@ -115,7 +119,7 @@ impl Target {
                 },
             );
             gpu.queue.submit([encoder.finish()]);
-            map(gpu, &buffer, |mapped| {
+            gpu.read(&buffer, |mapped| {
                 let rows = mapped.chunks_exact(padded as usize).take(band as usize);
                 rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
             })?;
@@ -123,30 +127,4 @@ impl Target {
         }
         Ok(bytes)
     }
-}
-
-fn map(gpu: &Gpu, buffer: &wgpu::Buffer, read: impl FnOnce(&[u8])) -> Result<(), GpuError> {
-    let refused = |error: &dyn std::fmt::Display| {
-        GpuError::Refused(format!("the picture cannot be read back: {error}"))
-    };
-    let (sender, receiver) = std::sync::mpsc::channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver waits below, unless polling failed and says so itself.
-        let _ = sender.send(result);
-    });
-    gpu.device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|error| refused(&error))?;
-    match receiver.try_recv() {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(refused(&error)),
-        Err(error) => return Err(refused(&error)),
-    }
-    let mapped = buffer
-        .get_mapped_range(..)
-        .map_err(|error| refused(&error))?;
-    read(&mapped);
-    drop(mapped);
-    buffer.unmap();
-    Ok(())
 }
