@@ -89,6 +89,7 @@ mod target;
 mod translate;
 mod unit;
 mod wgsl;
+mod when;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
@@ -105,3 +106,4 @@ pub use reflect::{
     TextureDimension, TextureSample, VertexInput,
 };
 pub use target::Target;
+pub use when::{RonFile, When};

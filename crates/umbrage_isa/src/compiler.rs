@@ -12,7 +12,7 @@ use std::{
 use umbrage_compose::Permutation;
 
 use crate::{
-    Isa, IsaError, PipelineState, SERVE, StageCost,
+    IsaError, PipelineState, SERVE, StageCost,
     child::{Child, Silence},
     driver,
     job::{Planned, plan},
@@ -155,16 +155,11 @@ impl Compiler {
                 key: permutation.key.clone(),
                 reason: format!("the driver says nothing of `{entry_point}`"),
             })?;
-            let isa = Isa::read(&self.options.family, executable);
-            let isa = isa.map_err(|statistic| IsaError::Statistic {
+            let cost = StageCost::read(&self.options.family, (*stage, entry_point), executable);
+            cost.map_err(|statistic| IsaError::Statistic {
                 key: permutation.key.clone(),
                 entry_point: entry_point.clone(),
                 statistic,
-            })?;
-            Ok(StageCost {
-                stage: *stage,
-                entry_point: entry_point.clone(),
-                isa,
             })
         });
         costs.collect()
