@@ -90,15 +90,13 @@ impl Compiler {
                 said: "it was about to start itself again".to_owned(),
             });
         }
-        let mut options = options.clone();
         let manifests = driver::manifests(&options.folders)?;
         if !driver::may_be_family(&options.family) {
-            // What it will open is nothing, and what there is will be told.
-            options.family = format!("no-{}", options.family.replace('\0', ""));
+            return Err(Child::no_family(options, &manifests, String::new()));
         }
-        let child = Some(Child::start(&options, &manifests)?);
+        let child = Some(Child::start(options, &manifests)?);
         Ok(Self {
-            options,
+            options: options.clone(),
             manifests,
             child,
         })
