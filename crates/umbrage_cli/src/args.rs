@@ -28,6 +28,8 @@ pub(crate) enum Command {
     List(ListArgs),
     /// Writes every permutation of the manifests as WGSL and SPIR-V, with its reflection.
     Prebuild(PrebuildArgs),
+    /// Says what a GPU's compiler makes of every permutation, without a GPU.
+    Cost(CostArgs),
     /// Links one module and prints it as WGSL.
     Link(LinkArgs),
     /// Says which adapter scenes are rendered with; status 2 where there is none.
@@ -129,6 +131,21 @@ pub(crate) struct PrebuildArgs {
     /// The folder to write: new, empty, or an earlier prebuild, which is replaced as a whole.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+}
+
+#[derive(Args)]
+pub(crate) struct CostArgs {
+    /// The manifest.
+    pub(crate) manifest: PathBuf,
+    /// The GPU family to compile for, by Mesa's name; without it the budget's, or else navi21.
+    #[arg(long)]
+    pub(crate) family: Option<String>,
+    /// Limits for the figures: status 1 where a permutation is over one.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) budget: Option<PathBuf>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Args)]

@@ -7,6 +7,7 @@ mod adapter;
 mod args;
 mod cause;
 mod check;
+mod cost;
 mod link;
 mod list;
 mod output;
@@ -23,12 +24,15 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
+    // What `cost` starts for itself: no arguments, and nothing on standard output.
+    umbrage_isa::serve_if_asked();
     let done = match Arguments::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Truth(args) => truth::truth(&args),
         Command::Check(args) => check::check(&args),
         Command::List(args) => list::list(&args),
         Command::Prebuild(args) => prebuild::prebuild(&args),
+        Command::Cost(args) => cost::cost(&args),
         Command::Link(args) => link::link(&args),
         Command::Adapter => adapter::adapter(),
     };

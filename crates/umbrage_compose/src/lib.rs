@@ -104,6 +104,7 @@ mod target;
 mod translate;
 mod unit;
 mod wgsl;
+mod when;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
@@ -121,3 +122,4 @@ pub use reflect::{
 };
 pub use store::{Kind, Look, Store};
 pub use target::Target;
+pub use when::{RonFile, When};

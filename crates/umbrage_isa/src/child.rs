@@ -1,6 +1,7 @@
 //! The process that compiles, seen from the one that asks.
 
 use std::{
+    ffi::OsStr,
     fs::File,
     io::{self, Read, Seek},
     os::{fd::OwnedFd, unix::net::UnixStream},
@@ -47,27 +48,42 @@ pub(crate) enum Silence {
 
 impl Child {
     /// Starts a server for `options.family` and sees that it has that device open.
-    pub(crate) fn start(
-        options: &CompilerOptions,
-        manifests: &std::ffi::OsStr,
-    ) -> Result<Self, IsaError> {
+    pub(crate) fn start(options: &CompilerOptions, manifests: &OsStr) -> Result<Self, IsaError> {
         match Self::open(options, &options.family, manifests)? {
             Ok((child, device)) if driver::is_of_family(&device, &options.family) => Ok(child),
             Ok((_, device)) => Err(IsaError::OtherDevice {
                 family: options.family.clone(),
                 device,
             }),
-            Err(said) => {
-                let opens =
-                    |family: &&str| matches!(Self::open(options, family, manifests), Ok(Ok(_)));
-                let known = driver::FAMILIES.iter().copied().filter(opens);
-                let known: Vec<_> = known.map(str::to_owned).collect();
-                let family = options.family.clone();
-                Err(match known.is_empty() {
-                    true => IsaError::NoDevice { family, said },
-                    false => IsaError::Family { family, known },
-                })
-            }
+            Err(said) => Err(Self::no_family(options, manifests, said)),
+        }
+    }
+
+    /// Why there is no device for `options.family`: what there is instead, or what the driver `said`.
+    pub(crate) fn no_family(
+        options: &CompilerOptions,
+        manifests: &OsStr,
+        said: String,
+    ) -> IsaError {
+        let opens = |family: &&str| matches!(Self::open(options, family, manifests), Ok(Ok(_)));
+        // Each is tried in a process of its own, most of which is waiting.
+        let known = thread::scope(|scope| {
+            let part =
+                |names: &'static [&str]| move || names.iter().copied().filter(opens).collect();
+            let parts = driver::FAMILIES.chunks(driver::FAMILIES.len().div_ceil(8));
+            let parts: Vec<_> = parts.map(|names| scope.spawn(part(names))).collect();
+            let joined = parts
+                .into_iter()
+                .map(|part| part.join().unwrap_or_default());
+            joined
+                .flat_map(|names: Vec<_>| names)
+                .collect::<Vec<&str>>()
+        });
+        let known: Vec<_> = known.into_iter().map(str::to_owned).collect();
+        let family = options.family.clone();
+        match known.is_empty() {
+            true => IsaError::NoDevice { family, said },
+            false => IsaError::Family { family, known },
         }
     }
 
@@ -75,7 +91,7 @@ impl Child {
     fn open(
         options: &CompilerOptions,
         family: &str,
-        manifests: &std::ffi::OsStr,
+        manifests: &OsStr,
     ) -> Result<Result<(Self, String), String>, IsaError> {
         let mut child =
             Self::spawn(options, family, manifests).map_err(|source| IsaError::Start {
@@ -102,11 +118,7 @@ impl Child {
         })
     }
 
-    fn spawn(
-        options: &CompilerOptions,
-        family: &str,
-        manifests: &std::ffi::OsStr,
-    ) -> io::Result<Self> {
+    fn spawn(options: &CompilerOptions, family: &str, manifests: &OsStr) -> io::Result<Self> {
         let (socket, theirs) = UnixStream::pair()?;
         let words = tempfile::tempfile()?;
         let mut command = Command::new(&options.program);

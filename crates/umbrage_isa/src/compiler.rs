@@ -12,7 +12,7 @@ use std::{
 use umbrage_compose::Permutation;
 
 use crate::{
-    Isa, IsaError, PipelineState, SERVE, StageCost,
+    IsaError, PipelineState, SERVE, StageCost,
     child::{Child, Silence},
     driver,
     job::{Planned, plan},
@@ -90,15 +90,13 @@ impl Compiler {
                 said: "it was about to start itself again".to_owned(),
             });
         }
-        let mut options = options.clone();
         let manifests = driver::manifests(&options.folders)?;
         if !driver::may_be_family(&options.family) {
-            // What it will open is nothing, and what there is will be told.
-            options.family = format!("no-{}", options.family.replace('\0', ""));
+            return Err(Child::no_family(options, &manifests, String::new()));
         }
-        let child = Some(Child::start(&options, &manifests)?);
+        let child = Some(Child::start(options, &manifests)?);
         Ok(Self {
-            options,
+            options: options.clone(),
             manifests,
             child,
         })
@@ -155,16 +153,11 @@ impl Compiler {
                 key: permutation.key.clone(),
                 reason: format!("the driver says nothing of `{entry_point}`"),
             })?;
-            let isa = Isa::read(&self.options.family, executable);
-            let isa = isa.map_err(|statistic| IsaError::Statistic {
+            let cost = StageCost::read(&self.options.family, (*stage, entry_point), executable);
+            cost.map_err(|statistic| IsaError::Statistic {
                 key: permutation.key.clone(),
                 entry_point: entry_point.clone(),
                 statistic,
-            })?;
-            Ok(StageCost {
-                stage: *stage,
-                entry_point: entry_point.clone(),
-                isa,
             })
         });
         costs.collect()

@@ -15,11 +15,14 @@ pub struct StageCost {
     /// What the compiler made of it.
     #[serde(flatten)]
     pub isa: Isa,
+    /// What it takes of the GPU while it runs.
+    #[serde(flatten)]
+    pub room: Room,
 }
 
 /// What a GPU family's compiler makes of a shader stage: RADV's figures, unchanged. The crate page says what
 /// they are good for.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Isa {
     /// The GPU family, such as `navi21`.
     pub family: String,
@@ -35,6 +38,11 @@ pub struct Isa {
     pub latency: u64,
     /// Cycles that a wave keeps the busiest unit busy, by the compiler's estimate.
     pub inverse_throughput: u64,
+}
+
+/// What a stage takes of the GPU while it runs, by RADV's figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Room {
     /// Vector registers that did not fit and live in memory.
     pub spilled_vgprs: u64,
     /// Scalar registers that did not fit and live in vector registers.
@@ -47,15 +55,37 @@ pub struct Isa {
     pub waves_per_simd: u64,
 }
 
-impl Isa {
+impl StageCost {
+    /// Every figure by its name, in the order in which it is told.
+    pub fn figures(&self) -> [(&'static str, u64); 11] {
+        let (isa, room) = (&self.isa, &self.room);
+        [
+            ("instructions", isa.instructions),
+            ("vgprs", isa.vgprs),
+            ("sgprs", isa.sgprs),
+            ("code_size", isa.code_size),
+            ("latency", isa.latency),
+            ("inverse_throughput", isa.inverse_throughput),
+            ("spilled_vgprs", room.spilled_vgprs),
+            ("spilled_sgprs", room.spilled_sgprs),
+            ("lds_size", room.lds_size),
+            ("scratch_size", room.scratch_size),
+            ("waves_per_simd", room.waves_per_simd),
+        ]
+    }
+
     /// Reads `executable`'s statistics, or says which one it lacks.
-    pub(crate) fn read(family: &str, executable: &Executable) -> Result<Self, &'static str> {
+    pub(crate) fn read(
+        family: &str,
+        (stage, entry_point): (Stage, &str),
+        executable: &Executable,
+    ) -> Result<Self, &'static str> {
         let value = |name: &'static str| {
             let mut statistics = executable.statistics.iter();
             let found = statistics.find(|(known, _)| known.eq_ignore_ascii_case(name));
             found.map(|(_, value)| *value).ok_or(name)
         };
-        Ok(Self {
+        let isa = Isa {
             family: family.to_owned(),
             instructions: value("Instructions")?,
             vgprs: value("VGPRs")?,
@@ -63,11 +93,19 @@ impl Isa {
             code_size: value("Code size")?,
             latency: value("Latency")?,
             inverse_throughput: value("Inverse Throughput")?,
+        };
+        let room = Room {
             spilled_vgprs: value("Spilled VGPRs")?,
             spilled_sgprs: value("Spilled SGPRs")?,
             lds_size: value("LDS size")?,
             scratch_size: value("Scratch size")?,
             waves_per_simd: value("Subgroups per SIMD")?,
+        };
+        Ok(Self {
+            stage,
+            entry_point: entry_point.to_owned(),
+            isa,
+            room,
         })
     }
 }

@@ -157,6 +157,20 @@ mod tests {
     }
 
     #[test]
+    fn a_family_is_a_word() {
+        for (name, may) in [
+            ("navi21", true),
+            ("gfx1103_r1", true),
+            ("", false),
+            ("../navi21", false),
+            ("a b", false),
+            ("navi\0", false),
+        ] {
+            assert_eq!(may_be_family(name), may, "{name:?}");
+        }
+    }
+
+    #[test]
     fn manifests_are_found_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str| std::fs::write(folder.path().join(name), "{}").unwrap();

@@ -1,5 +1,6 @@
 //! What a GPU's compiler makes of a permutation, without a GPU.
 
+mod budget;
 #[cfg(unix)]
 mod child;
 mod compiler;
@@ -14,8 +15,9 @@ mod vulkan;
 mod wire;
 mod words;
 
+pub use budget::{Budget, Excess};
 pub use compiler::{Compiler, CompilerOptions, costs};
-pub use cost::{Isa, StageCost};
+pub use cost::{Isa, Room, StageCost};
 pub use error::IsaError;
 pub use state::{ColorTarget, DepthTarget, PipelineState};
 

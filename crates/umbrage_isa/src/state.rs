@@ -1,7 +1,10 @@
 //! How a pass draws, apart from its shader, so far as that changes what the shader is compiled to.
 
 use umbrage_compose::{Permutation, Stage};
-use wgpu_types::{BlendState, CompareFunction, Face, FrontFace, TextureFormat};
+use wgpu_types::{
+    BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, Face, FrontFace,
+    TextureFormat,
+};
 
 /// How a pass draws: triangles, one sample a pixel. Vertex attributes and bindings are not said here: they
 /// follow from the permutation. Stencil and depth bias change nothing in a shader, and are left out.
@@ -52,7 +55,35 @@ impl PipelineState {
             ..Self::default()
         }
     }
+
+    /// As Umbrage's renderer draws the pass that `permutation` is of, by its axis `pass`: plainly, but for
+    /// the illumination, which adds light to what is there and leaves the depth.
+    pub fn of(permutation: &Permutation) -> Self {
+        let mut state = Self::plain(permutation);
+        if permutation.key.get("pass") == Some("illumination") {
+            for color in state.colors.iter_mut().flatten() {
+                color.blend = Some(ADD);
+            }
+            if let Some(depth) = &mut state.depth {
+                depth.write = false;
+            }
+        }
+        state
+    }
 }
+
+/// Adds what is drawn to what is there.
+const ADD: BlendState = {
+    let add = BlendComponent {
+        src_factor: BlendFactor::One,
+        dst_factor: BlendFactor::One,
+        operation: BlendOperation::Add,
+    };
+    BlendState {
+        color: add,
+        alpha: add,
+    }
+};
 
 /// A target for each of the fragment stage's outputs.
 fn outputs(permutation: &Permutation) -> Vec<Option<ColorTarget>> {

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use crate::figures::Figures;
 
+pub use umbrage_isa::Isa;
+
 /// One scene, drawn by one method in one configuration along one path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -50,23 +52,4 @@ pub struct Spread {
     pub median: f64,
     /// The greatest.
     pub max: f64,
-}
-
-/// What a GPU family's compiler makes of a shader stage.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Isa {
-    /// The GPU family, such as `navi21`.
-    pub family: String,
-    /// Instructions.
-    pub instructions: u64,
-    /// Vector registers.
-    pub vgprs: u64,
-    /// Scalar registers.
-    pub sgprs: u64,
-    /// Bytes of machine code.
-    pub code_size: u64,
-    /// Cycles from start to end, by the compiler's estimate.
-    pub latency: u64,
-    /// Cycles a wave takes when many are in flight, by the compiler's estimate.
-    pub inverse_throughput: u64,
 }

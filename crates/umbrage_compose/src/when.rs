@@ -1,0 +1,221 @@
+//! Which keys something is said of, in files that others than manifests read.
+
+use std::{collections::BTreeMap, fmt, ops::Range, path::Path};
+
+use serde::{
+    Deserialize,
+    de::{DeserializeOwned, SeqAccess, Visitor},
+};
+
+use crate::{
+    Axes, Cause, Error, Fault, Key,
+    axes::Rule,
+    package::{SourceText, read},
+    ron_text,
+};
+
+/// A RON file that a person wrote, to be read and pointed into.
+#[derive(Clone, Debug)]
+pub struct RonFile(SourceText);
+
+impl RonFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        read(path).map(Self)
+    }
+
+    /// The file as a value. An option may be given without `Some`.
+    ///
+    /// # Errors
+    /// What is no RON, or not of this type: with its line and column.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Error> {
+        ron_text::parse(&self.0, Cause::Manifest)
+    }
+
+    /// Where each entry of the list in the field `rules` stands: bytes of the text.
+    ///
+    /// # Errors
+    /// Where the file has no such list.
+    pub fn rules(&self) -> Result<Vec<Range<usize>>, Error> {
+        #[derive(Deserialize)]
+        struct Rules {
+            rules: Vec<Box<ron::value::RawValue>>,
+        }
+        let mut from = 0;
+        let rules = self.parse::<Rules>()?.rules;
+        let ranges = rules.iter().map(|rule| {
+            let text = rule.trim().get_ron();
+            // It was read from this text, and in this order.
+            let start = from + self.0.text[from..].find(text).unwrap_or(0);
+            from = start + text.len();
+            start..from
+        });
+        Ok(ranges.collect())
+    }
+
+    /// A fault of this file, at the last of `words` as they follow each other from `range` on; with no words, at
+    /// all of `range`.
+    pub fn fault(&self, message: impl Into<String>, range: Range<usize>, words: &[&str]) -> Fault {
+        self.place(Fault::new(Cause::Manifest, message), range, words)
+    }
+
+    fn place(&self, mut fault: Fault, range: Range<usize>, words: &[&str]) -> Fault {
+        fault.cause = Cause::Manifest;
+        let start = range.start;
+        if words.is_empty() {
+            return fault.at(self.0.place(range));
+        }
+        let part = SourceText {
+            file: self.0.file.clone(),
+            text: self.0.text[range].into(),
+        };
+        let found = ron_text::literal(&part, words).range;
+        fault.at(self.0.place(start + found.start..start + found.end))
+    }
+}
+
+/// Values for some axes, such as `{ "method": "basic", "pcf": ["3", "5"] }`: keys fit that have, on each of
+/// these axes, one of its values. Every key fits where there is no axis.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(transparent)]
+pub struct When(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Values>);
+
+impl When {
+    /// Whether `key` fits. Where the key says nothing, the axis's default counts.
+    pub fn fits(&self, axes: &Axes, key: &Key) -> bool {
+        let values = self
+            .0
+            .iter()
+            .map(|(axis, values)| (axis.clone(), values.0.clone()));
+        let rule = Rule {
+            exclude: values.collect(),
+            reason: String::new(),
+        };
+        rule.excludes(|axis| axes.value(key, axis))
+    }
+
+    /// Checks that the axes and their values exist. The fault is in `file`, in the bytes `range` that this was
+    /// read from.
+    ///
+    /// # Errors
+    /// An unknown axis or value.
+    pub fn check(&self, axes: &Axes, file: &RonFile, range: Range<usize>) -> Result<(), Fault> {
+        for (name, values) in &self.0 {
+            let axis = axes
+                .check_axis(name)
+                .map_err(|fault| file.place(fault, range.clone(), &[name]))?;
+            for value in &values.0 {
+                axes.check_value(axis, value)
+                    .map_err(|fault| file.place(fault, range.clone(), &[name, value]))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A value, or a list of them.
+#[derive(Clone, Debug)]
+struct Values(Vec<String>);
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrSeveral;
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = Values;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a value or a list of values, as strings")
+            }
+
+            fn visit_str<E>(self, value: &str) -> Result<Values, E> {
+                Ok(Values(vec![value.to_owned()]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Values, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(Values(values))
+            }
+        }
+        deserializer.deserialize_any(OneOrSeveral)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(text: &str) -> RonFile {
+        RonFile(SourceText {
+            file: "rules.ron".to_owned(),
+            text: text.into(),
+        })
+    }
+
+    fn axes() -> Axes {
+        let text = r#"(axes: {
+            "filter": (default: "soft", values: { "soft": (), "hard": () }),
+            "light": (values: { "sun": (), "lamp": () }),
+        })"#;
+        let mut axes = Axes::default();
+        axes.merge("demo", &file(text).0).unwrap();
+        axes
+    }
+
+    #[test]
+    fn keys_fit_that_have_a_value_on_each_axis() {
+        let axes = axes();
+        let soft_sun = axes.key([("light", "sun")]).unwrap();
+        let hard_lamp = axes.key([("light", "lamp"), ("filter", "hard")]).unwrap();
+        for (text, of_sun, of_lamp) in [
+            (r#"{}"#, true, true),
+            (r#"{ "filter": "soft" }"#, true, false),
+            (r#"{ "filter": ["soft", "hard"] }"#, true, true),
+            (r#"{ "filter": [] }"#, false, false),
+            (r#"{ "filter": "hard", "light": ["lamp"] }"#, false, true),
+            (r#"{ "filter": "hard", "light": "sun" }"#, false, false),
+        ] {
+            let when: When = file(text).parse().unwrap();
+            assert_eq!(when.fits(&axes, &soft_sun), of_sun, "{text}");
+            assert_eq!(when.fits(&axes, &hard_lamp), of_lamp, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_fault_is_in_its_own_rule() {
+        let text = "(rules: [\n  { \"light\": \"sun\" }, // \"light\": \"moon\"\n  { \"light\": \"moon\" },\n])";
+        let file = file(text);
+        let ranges = file.rules().unwrap();
+        assert_eq!(&text[ranges[0].clone()], r#"{ "light": "sun" }"#);
+        let when: When = RonFile(SourceText {
+            file: String::new(),
+            text: text[ranges[1].clone()].into(),
+        })
+        .parse()
+        .unwrap();
+        let fault = when.check(&axes(), &file, ranges[1].clone()).unwrap_err();
+        let at = fault.location().unwrap();
+        assert_eq!((at.line, at.column), (3, 14));
+        assert!(fault.to_string().contains("lamp, sun"), "{fault}");
+        let whole = file.fault("needless", ranges[1].clone(), &[]);
+        assert_eq!(whole.location().map(|at| at.line), Some(3));
+    }
+
+    #[test]
+    fn what_is_no_choice_has_its_place() {
+        for (text, line) in [
+            ("{\n \"a\": 3 }", 2),
+            ("{ \"a\": \"b\",\n \"a\": \"c\" }", 2),
+            ("{ \"a\": [\"b\",\n 1] }", 2),
+        ] {
+            let error = file(text).parse::<When>().unwrap_err();
+            let at = error.faults()[0].location().unwrap();
+            assert_eq!(at.line, line, "{error}");
+        }
+    }
+}
