@@ -5,7 +5,7 @@ pub(crate) mod lamp;
 mod opacity;
 mod ray;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod triangles;
 
 use glam::DVec3;

@@ -5,4 +5,4 @@ mod gaps;
 mod holes;
 mod refusals;
 mod soft;
-mod stage;
+pub(crate) mod stage;
