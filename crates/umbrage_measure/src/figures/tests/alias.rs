@@ -7,8 +7,9 @@ use umbrage_shadow::{Lens, LightKind, Rect, ShadowPlan};
 
 use super::{DOWN, floor_from, light, look, pass, plan, sun_plan};
 use crate::figures::{
-    Alias, aliasing,
+    Alias,
     alias::{Texel, texels},
+    aliasing,
     surface::Surface,
 };
 
@@ -193,9 +194,16 @@ fn largest(m: DMat2) -> f64 {
 #[test]
 fn twice_the_texels_halve_it_and_three_times_the_pixels_make_it_three() {
     let direction = DVec3::new(0.5, -1.0, 0.2).normalize();
-    let scene = floor_from(DVec3::new(2.0, 3.0, 4.0), LightKind::Directional { direction });
+    let scene = floor_from(
+        DVec3::new(2.0, 3.0, 4.0),
+        LightKind::Directional { direction },
+    );
     let at = |resolution: u32, size: u32| {
-        of_middle(&of_picture(&scene, &sun_plan(&scene, direction, 8.0, resolution), size))
+        of_middle(&of_picture(
+            &scene,
+            &sun_plan(&scene, direction, 8.0, resolution),
+            size,
+        ))
     };
     let (one, two, three) = (at(64, 9), at(128, 9), at(64, 27));
     assert!(close(two.ratio(), 0.5 * one.ratio()));
@@ -253,7 +261,10 @@ fn beside_the_map_and_against_the_light_there_is_none() {
 #[test]
 fn what_grazes_is_taken_at_87_degrees() {
     let direction = DVec3::new(1.0, -1e-9, 0.0).normalize();
-    let scene = floor_from(DVec3::new(0.0, 10.0, 0.0), LightKind::Directional { direction });
+    let scene = floor_from(
+        DVec3::new(0.0, 10.0, 0.0),
+        LightKind::Directional { direction },
+    );
     let texel = texel_of_middle(&scene, &sun_plan(&scene, direction, 8.0, 64));
     assert!(close(texel.slope, 20.0), "{texel:?}");
     let pixel = angle(30_f64.to_radians().tan(), SIZE) * 10.0;

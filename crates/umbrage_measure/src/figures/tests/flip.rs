@@ -5,7 +5,9 @@ use crate::figures::{FigureError, flip};
 const SIZE: u32 = 64;
 
 fn picture(color: impl Fn(u32, u32) -> [f32; 3]) -> Vec<[f32; 3]> {
-    (0..SIZE * SIZE).map(|i| color(i % SIZE, i / SIZE)).collect()
+    (0..SIZE * SIZE)
+        .map(|i| color(i % SIZE, i / SIZE))
+        .collect()
 }
 
 fn of(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -41,14 +43,22 @@ fn it_matters_neither_which_is_which_nor_where() {
     // Far enough from the borders.
     assert!((one - of(&dark, &square(32, 24))).abs() < 1e-6);
     // A greater difference is more of one.
-    let faint: Vec<_> = square(20, 20).iter().map(|c| c.map(|v| 0.5 * v + 0.05)).collect();
+    let faint: Vec<_> = square(20, 20)
+        .iter()
+        .map(|c| c.map(|v| 0.5 * v + 0.05))
+        .collect();
     assert!(of(&dark, &faint) < 0.9 * one);
 }
 
 /// The colours are encoded: the same linear step is seen in the dark and hardly in the light.
 #[test]
 fn steps_count_as_they_are_seen() {
-    let step = |from: f32| of(&picture(|_, _| [from; 3]), &picture(|_, _| [from + 0.05; 3]));
+    let step = |from: f32| {
+        of(
+            &picture(|_, _| [from; 3]),
+            &picture(|_, _| [from + 0.05; 3]),
+        )
+    };
     assert!(step(0.0) > 3.0 * step(0.9), "{} {}", step(0.0), step(0.9));
 }
 

@@ -30,7 +30,11 @@ fn floor() -> Object {
 
 /// A floor under a light, seen from `eye`; the middle of the picture is the origin.
 fn floor_from(eye: DVec3, light: LightKind) -> Scene {
-    scene(vec![floor()], light, HERE.camera(eye, DVec3::ZERO, DVec3::NEG_Z))
+    scene(
+        vec![floor()],
+        light,
+        HERE.camera(eye, DVec3::ZERO, DVec3::NEG_Z),
+    )
 }
 
 fn look(scene: &Scene, width: u32, height: u32) -> Sight {
