@@ -256,7 +256,7 @@ fn frames_that_do_not_fit_are_refused_and_too_few_say_nothing() {
     );
     assert_eq!(shimmer(&[]), Ok(None));
     let unseen = Terms {
-        truth: &vec![None; 12],
+        truth: &[None; 12],
         ..terms
     };
     assert_eq!(frame(vec![unseen]), Ok(None));
