@@ -5,7 +5,7 @@ use umbrage_shadow::PlanError;
 #[non_exhaustive]
 pub enum FigureError {
     /// Pictures of different sizes.
-    #[error("{what} has {found} pixels, but the sight has {expected}; take both at one size")]
+    #[error("{what} has {found} pixels, but must have {expected}; take all pictures at one size")]
     Length {
         /// Which picture.
         what: String,

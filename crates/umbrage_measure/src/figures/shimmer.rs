@@ -43,8 +43,9 @@ pub struct Terms<'a> {
 /// It is the surface that flips, not the pixel: a compared sample's point is looked for in the next
 /// frame. It is known there if it lies between four pixels that are compared, see the surface that it is on,
 /// and agree on a side, rendered and in truth; it has flipped if their side is not its own. So an
-/// edge that stays in its place on the surface never counts, however the camera moves, but one that
-/// moves by less than about a pixel does not either.
+/// edge that stays in its place on the surface does not count, however the camera moves, and one that
+/// moves by less than about a pixel does not either. A corner that stays and reaches in between four
+/// pixels does: that share is small, and a quarter of it in twice the resolution.
 ///
 /// # Errors
 /// Pictures of different sizes within a frame, frames with different numbers of lights, a sight of

@@ -7,7 +7,7 @@ mod opacity;
 mod ray;
 mod record;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod triangles;
 
 use glam::DVec3;

@@ -6,4 +6,4 @@ mod holes;
 mod record;
 mod refusals;
 mod soft;
-mod stage;
+pub(crate) mod stage;

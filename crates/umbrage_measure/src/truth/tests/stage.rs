@@ -8,22 +8,22 @@ use umbrage_shadow::{Light, LightKind};
 
 /// Where a scene stands and how large it is: what is at `p` stands at `origin + scale * p`.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
-    pub(super) origin: DVec3,
-    pub(super) scale: f64,
+pub(crate) struct Place {
+    pub(crate) origin: DVec3,
+    pub(crate) scale: f64,
 }
 
-pub(super) const HERE: Place = Place {
+pub(crate) const HERE: Place = Place {
     origin: DVec3::ZERO,
     scale: 1.0,
 };
 
 impl Place {
-    pub(super) fn at(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn at(&self, point: DVec3) -> DVec3 {
         self.origin + self.scale * point
     }
 
-    pub(super) fn object(&self, name: &str, mesh: Mesh, at: DVec3) -> Object {
+    pub(crate) fn object(&self, name: &str, mesh: Mesh, at: DVec3) -> Object {
         let transform = DAffine3::from_scale_rotation_translation(
             DVec3::splat(self.scale),
             DQuat::IDENTITY,
@@ -39,7 +39,7 @@ impl Place {
     }
 
     /// A camera at `eye` that looks at `target`, with `up` upwards; its angle is 60°.
-    pub(super) fn camera(&self, eye: DVec3, target: DVec3, up: DVec3) -> Camera {
+    pub(crate) fn camera(&self, eye: DVec3, target: DVec3, up: DVec3) -> Camera {
         let back = (eye - target).normalize();
         let right = up.cross(back).normalize();
         let axes = DMat3::from_cols(right, back.cross(right), back);
@@ -53,7 +53,7 @@ impl Place {
     }
 }
 
-pub(super) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> Scene {
+pub(crate) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> Scene {
     Scene {
         objects,
         lights: vec![SceneLight {
@@ -72,7 +72,7 @@ pub(super) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> S
 }
 
 /// A level square around the origin, its corners `half` away on both axes.
-pub(super) fn square(half: f32) -> Mesh {
+pub(crate) fn square(half: f32) -> Mesh {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(Vec2::from);
     Mesh {
         positions: corners
@@ -85,7 +85,7 @@ pub(super) fn square(half: f32) -> Mesh {
 }
 
 /// A box around the origin.
-pub(super) fn block(half: Vec3) -> Mesh {
+pub(crate) fn block(half: Vec3) -> Mesh {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
     let faces = [
         [0, 1, 3, 2],
@@ -107,7 +107,7 @@ pub(super) fn block(half: Vec3) -> Mesh {
 }
 
 /// A ball around the origin, of `around` × `around / 2` patches.
-pub(super) fn ball(radius: f32, around: u32) -> Mesh {
+pub(crate) fn ball(radius: f32, around: u32) -> Mesh {
     let (rings, row) = (around / 2, around + 1);
     let mut mesh = Mesh::default();
     for ring in 0..=rings {
