@@ -48,6 +48,7 @@
 //! number; the rows of a picture are shared among all threads. A triangle takes about 400
 //! bytes while the tree is built, and less after: `cargo bench -p umbrage_bench --bench truth`.
 
+pub mod cases;
 pub mod figures;
 pub mod report;
 pub mod truth;
