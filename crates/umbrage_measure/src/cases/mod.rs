@@ -5,6 +5,8 @@ mod depth;
 mod direction;
 mod empty;
 mod form;
+mod judge;
+mod limits;
 mod motion;
 mod place;
 mod reach;
@@ -12,11 +14,18 @@ mod shapes;
 mod stage;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_limits;
 
 use std::collections::BTreeMap;
 
 use umbrage_render::{Camera, RenderOptions, Scene, What};
 use umbrage_shadow::ShadowMethod;
+
+pub use self::{
+    judge::{DIFFERS, Miss, Verdict},
+    limits::{Limit, Limits, LimitsError},
+};
 
 /// A scene that is hard to shadow.
 #[derive(Clone, Debug)]
