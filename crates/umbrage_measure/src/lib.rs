@@ -31,6 +31,31 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Hard cases
+//! [`cases::all`] makes scenes that catch shadow methods out; `limits.ron` beside this crate's sources says what
+//! each demands and why, and [`Limits::judge`](cases::Limits::judge) holds a method's figures against it.
+//! A method that cannot meet a limit is listed there with the reason; a listed exception that is no
+//! longer needed is a fault as well. No method may have a bad pixel in any case.
+//!
+//! | cases | what is hard |
+//! | --- | --- |
+//! | `depth-range`, `-spot` | 1 to 900 m in a view from 0.1 to 1000 m; a spot light's casters from 2 cm, receivers to 90 m |
+//! | `split-seams`, `-fence` | a receiver with shadow edges across every border that splits the view |
+//! | `duelling-frusta-along`, `-against`, `-lamp` | light along the view, against it, and from its middle |
+//! | `overhead`, `-down`, `-spot` | light straight down, seen aslant and straight down; straight down and up |
+//! | `grazing-80`, `-85`, `-89` | light at so many degrees to the ground's normal |
+//! | `far-away-origin`, `-1e5`, `-1e6`, `tiny`, `huge` | one yard under three lights, 100 and 1000 km out, at 1e-3 and 1e4 of its size |
+//! | `open-mesh`, `-leaves`, `-mirrored` | no back faces, no thickness, transforms that mirror |
+//! | `contact`, `-lamp` | a thin wall, a ball and a cone's tip on the ground |
+//! | `behind`, `-light`, `-spot` | casters behind the viewer, and far out towards the light |
+//! | `exponent`, `-overlap`, `-overlap-spot` | occluders 80 m before a receiver, and two that overlap |
+//! | `steep-blocks-3`, `-5`, `-7`, `-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
+//! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
+//! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
+//!
+//! Each scene is traced in its tests: there is light and shadow in healthy shares, and what its name says
+//! (an angle, a ratio, a border) holds exactly.
+//!
 //! # What keeps it true
 //! - **No bias.** The triangle that a point lies on is left out by its number. Its neighbours are not, but
 //!   a point on a shared edge lies on them too, as far as f64 can tell: so a hit that is no farther away
@@ -48,6 +73,7 @@
 //! number; the rows of a picture are shared among all threads. A triangle takes about 400
 //! bytes while the tree is built, and less after: `cargo bench -p umbrage_bench --bench truth`.
 
+pub mod cases;
 pub mod figures;
 pub mod report;
 pub mod truth;

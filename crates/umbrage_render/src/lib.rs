@@ -49,5 +49,5 @@ pub use picture::{PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, Level, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Texture,
-    Wrap,
+    Wrap, look_along,
 };

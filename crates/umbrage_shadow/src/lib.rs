@@ -147,7 +147,7 @@ mod fit;
 mod lens;
 mod light;
 mod method;
-mod names;
+pub mod names;
 mod plan;
 mod registry;
 mod settings;

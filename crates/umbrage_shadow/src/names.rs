@@ -1,7 +1,7 @@
 //! Names near a misspelt one.
 
 /// The known name nearest to `name`, where one is near.
-pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()
         .map(|known| (strsim::jaro_winkler(name, known), known))
@@ -11,7 +11,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
 }
 
 /// The end of a message that could not find a name.
-pub(crate) fn suggestion(nearest: &Option<String>) -> String {
+pub fn suggestion(nearest: &Option<String>) -> String {
     nearest
         .as_ref()
         .map(|name| format!("; did you mean `{name}`?"))

@@ -6,8 +6,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Light, LightKind};
 
 use super::{
-    Camera, Material, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
-    shapes,
+    Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
 };
 
 /// Loads the model at `path`.
@@ -51,7 +50,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
 }
 
 fn ground(path: &Path, bounds: &Aabb, centre: DVec3, radius: f64) -> Result<Object, SceneError> {
-    let mesh = shapes::rectangle(Vec2::ONE, Vec2::ONE, false);
+    let mesh = Mesh::plane(Vec2::ONE, Vec2::ONE);
     let material = Material {
         base_color: Vec4::new(0.45, 0.45, 0.45, 1.0),
         ..Material::plain("lambert")

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3, Vec4};
+use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
@@ -15,7 +15,6 @@ use super::{
     error::read,
     file_lights::LightFile,
     model::{self, Part},
-    shapes,
 };
 
 /// A scene file. Lengths in metres, angles in degrees, colours linear.
@@ -380,7 +379,8 @@ impl Loader<'_> {
                 1e-6..=1e12,
             )
         };
-        let rectangle = |size: (f32, f32), tiles: (f32, f32), upright: bool| {
+        type Shape = fn(Vec2, Vec2) -> Mesh;
+        let rectangle = |shape: Shape, size: (f32, f32), tiles: (f32, f32)| {
             for (name, value) in [
                 ("size", size.0),
                 ("size", size.1),
@@ -389,16 +389,16 @@ impl Loader<'_> {
             ] {
                 positive(name, value)?;
             }
-            Ok::<Mesh, SceneError>(shapes::rectangle(size.into(), tiles.into(), upright))
+            Ok::<Mesh, SceneError>(shape(size.into(), tiles.into()))
         };
         let (name, mesh) = match *shape {
-            ShapeFile::Plane { size, tiles } => ("plane", rectangle(size, tiles, false)?),
-            ShapeFile::Quad { size, tiles } => ("quad", rectangle(size, tiles, true)?),
+            ShapeFile::Plane { size, tiles } => ("plane", rectangle(Mesh::plane, size, tiles)?),
+            ShapeFile::Quad { size, tiles } => ("quad", rectangle(Mesh::quad, size, tiles)?),
             ShapeFile::Box { size } => {
                 for value in [size.0, size.1, size.2] {
                     positive("size", value)?;
                 }
-                ("box", shapes::cuboid(size.into()))
+                ("box", Mesh::cuboid(size.into()))
             }
             ShapeFile::Sphere { radius, segments } => {
                 positive("radius", radius)?;
@@ -407,7 +407,7 @@ impl Loader<'_> {
                     f64::from(segments),
                     4.0..=1024.0,
                 )?;
-                ("sphere", shapes::sphere(radius, segments))
+                ("sphere", Mesh::sphere(radius, segments))
             }
         };
         Ok(Part {
@@ -466,7 +466,7 @@ fn share<T: PartialEq>(known: &mut Vec<Arc<T>>, value: T) -> Arc<T> {
 }
 
 /// The rotation that turns −z to `direction` with +y as far up as can be; none for no direction.
-pub(crate) fn look_along(direction: DVec3) -> Option<DQuat> {
+pub fn look_along(direction: DVec3) -> Option<DQuat> {
     let forward = direction.try_normalize()?;
     let up = if forward.y.abs() > 0.999_999 {
         DVec3::NEG_Z

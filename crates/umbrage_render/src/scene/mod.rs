@@ -14,11 +14,12 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Light, Projection, View};
 
+pub(crate) use self::image::encode_srgb;
 pub use self::{
     error::SceneError,
+    file::look_along,
     image::{Image, Level},
 };
-pub(crate) use self::{file::look_along, image::encode_srgb};
 
 /// What is to be rendered. World space: metres, right-handed, y up.
 #[derive(Clone, Debug)]

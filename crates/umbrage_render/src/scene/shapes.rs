@@ -6,77 +6,82 @@ use glam::{Vec2, Vec3};
 
 use super::Mesh;
 
-/// A rectangle around the origin: level and facing up, or upright and facing +z. The texture is
-/// repeated `tiles` times across and down.
-pub(super) fn rectangle(size: Vec2, tiles: Vec2, upright: bool) -> Mesh {
-    let mut mesh = Mesh::default();
-    let (across, up) = if upright {
-        (Vec3::X, Vec3::Y)
-    } else {
-        (Vec3::X, Vec3::NEG_Z)
-    };
-    push_face(
-        &mut mesh,
-        Vec3::ZERO,
-        across * (0.5 * size.x),
-        up * (0.5 * size.y),
-        tiles,
-    );
-    mesh
-}
-
-/// A box around the origin, its faces outwards.
-pub(super) fn cuboid(size: Vec3) -> Mesh {
-    let mut mesh = Mesh::default();
-    let half = 0.5 * size;
-    let faces = [
-        (Vec3::X, Vec3::NEG_Z, Vec3::Y),
-        (Vec3::NEG_X, Vec3::Z, Vec3::Y),
-        (Vec3::Y, Vec3::X, Vec3::NEG_Z),
-        (Vec3::NEG_Y, Vec3::X, Vec3::Z),
-        (Vec3::Z, Vec3::X, Vec3::Y),
-        (Vec3::NEG_Z, Vec3::NEG_X, Vec3::Y),
-    ];
-    for (out, across, up) in faces {
-        push_face(&mut mesh, out * half, across * half, up * half, Vec2::ONE);
+impl Mesh {
+    /// A rectangle around the origin: level, facing up, `size` along x and z in metres. Its texture is
+    /// repeated `tiles` times across and down.
+    pub fn plane(size: Vec2, tiles: Vec2) -> Self {
+        rectangle(size, tiles, Vec3::NEG_Z)
     }
-    mesh
-}
 
-/// A sphere around the origin of `segments` by `segments / 2` patches.
-pub(super) fn sphere(radius: f32, segments: u32) -> Mesh {
-    let rings = segments / 2;
-    let mut mesh = Mesh::default();
-    for ring in 0..=rings {
-        let v = ring as f32 / rings as f32;
-        // Exact at the poles and at the seam, so that the mesh is closed.
-        let sin_polar = if ring == 0 || ring == rings {
-            0.0
-        } else {
-            (PI * v).sin()
-        };
-        for segment in 0..=segments {
-            let u = segment as f32 / segments as f32;
-            let (sin, cos) = (TAU * (segment % segments) as f32 / segments as f32).sin_cos();
-            let normal = Vec3::new(sin_polar * sin, (PI * v).cos(), sin_polar * cos);
-            mesh.positions.push(radius * normal);
-            mesh.normals.push(normal);
-            mesh.uvs.push(Vec2::new(u, v));
+    /// A rectangle around the origin: upright, facing +z, `size` along x and y in metres. Its texture
+    /// is repeated `tiles` times across and down.
+    pub fn quad(size: Vec2, tiles: Vec2) -> Self {
+        rectangle(size, tiles, Vec3::Y)
+    }
+
+    /// A box around the origin, its faces outwards; `size` in metres. Closed.
+    pub fn cuboid(size: Vec3) -> Self {
+        let mut mesh = Self::default();
+        let half = 0.5 * size;
+        let faces = [
+            (Vec3::X, Vec3::NEG_Z, Vec3::Y),
+            (Vec3::NEG_X, Vec3::Z, Vec3::Y),
+            (Vec3::Y, Vec3::X, Vec3::NEG_Z),
+            (Vec3::NEG_Y, Vec3::X, Vec3::Z),
+            (Vec3::Z, Vec3::X, Vec3::Y),
+            (Vec3::NEG_Z, Vec3::NEG_X, Vec3::Y),
+        ];
+        for (out, across, up) in faces {
+            push_face(&mut mesh, out * half, across * half, up * half, Vec2::ONE);
         }
+        mesh
     }
-    let row = segments + 1;
-    for ring in 0..rings {
-        for segment in 0..segments {
-            let first = ring * row + segment;
-            // A patch at a pole is one triangle.
-            if ring + 1 < rings {
-                mesh.indices.extend([first, first + row, first + row + 1]);
-            }
-            if ring > 0 {
-                mesh.indices.extend([first, first + row + 1, first + 1]);
+
+    /// A ball around the origin of `segments` by `segments / 2` patches, at least 3 by 2; `radius` in
+    /// metres. Closed, with the ball's own normals.
+    pub fn sphere(radius: f32, segments: u32) -> Self {
+        let segments = segments.max(3);
+        let rings = (segments / 2).max(2);
+        let mut mesh = Self::default();
+        for ring in 0..=rings {
+            let v = ring as f32 / rings as f32;
+            // Exact at the poles and at the seam, so that the mesh is closed.
+            let sin_polar = if ring == 0 || ring == rings {
+                0.0
+            } else {
+                (PI * v).sin()
+            };
+            for segment in 0..=segments {
+                let u = segment as f32 / segments as f32;
+                let (sin, cos) = (TAU * (segment % segments) as f32 / segments as f32).sin_cos();
+                let normal = Vec3::new(sin_polar * sin, (PI * v).cos(), sin_polar * cos);
+                mesh.positions.push(radius * normal);
+                mesh.normals.push(normal);
+                mesh.uvs.push(Vec2::new(u, v));
             }
         }
+        let row = segments + 1;
+        for ring in 0..rings {
+            for segment in 0..segments {
+                let first = ring * row + segment;
+                // A patch at a pole is one triangle.
+                if ring + 1 < rings {
+                    mesh.indices.extend([first, first + row, first + row + 1]);
+                }
+                if ring > 0 {
+                    mesh.indices.extend([first, first + row + 1, first + 1]);
+                }
+            }
+        }
+        mesh
     }
+}
+
+/// A rectangle around the origin, its sides along x and `up`.
+fn rectangle(size: Vec2, tiles: Vec2, up: Vec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    let (across, up) = (Vec3::X * (0.5 * size.x), up * (0.5 * size.y));
+    push_face(&mut mesh, Vec3::ZERO, across, up, tiles);
     mesh
 }
 
@@ -130,9 +135,9 @@ mod tests {
     #[test]
     fn solids_are_closed_and_face_outwards() {
         for mesh in [
-            cuboid(Vec3::new(1.0, 2.0, 3.0)),
-            sphere(2.0, 12),
-            sphere(1.0, 4),
+            Mesh::cuboid(Vec3::new(1.0, 2.0, 3.0)),
+            Mesh::sphere(2.0, 12),
+            Mesh::sphere(1.0, 4),
         ] {
             assert_outward(&mesh);
             assert_closed(&mesh);
@@ -141,9 +146,9 @@ mod tests {
 
     #[test]
     fn rectangles_face_up_or_forwards() {
-        let level = rectangle(Vec2::new(2.0, 4.0), Vec2::ONE, false);
+        let level = Mesh::plane(Vec2::new(2.0, 4.0), Vec2::ONE);
         assert_eq!(level.normals[0], Vec3::Y);
-        let upright = rectangle(Vec2::ONE, Vec2::splat(3.0), true);
+        let upright = Mesh::quad(Vec2::ONE, Vec2::splat(3.0));
         assert_eq!(upright.normals[0], Vec3::Z);
         // The picture's top is up.
         let top = upright

@@ -1,0 +1,161 @@
+//! Holding a method's figures against the limits.
+
+use std::sync::LazyLock;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::limits::{Excepted, Figure, Limit, Limits};
+use crate::figures::Figures;
+
+/// The figure beside those of [`Figures`]: the share of samples that are lit here and in shadow in the
+/// picture of the case that this one must look the same as, or the reverse.
+pub const DIFFERS: &str = "differs";
+
+/// Figures that no method may be excepted from.
+pub(super) const NEVER_EXCEPTED: [&str; 2] = ["bad_pixels", "compared"];
+
+/// How a method did in a case.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Whether all limits are met, but for those that the method is excepted from.
+    pub passed: bool,
+    /// What it is excepted from and does not meet, with the reasons; none where it meets all.
+    pub exception: Option<String>,
+    /// The limits that it misses, by the figures' names.
+    pub missed: Vec<Miss>,
+    /// Figures that it is excepted from without need, as it meets the limit for all: the table must not
+    /// list them.
+    pub unnecessary: Vec<String>,
+}
+
+/// A limit that is missed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Miss {
+    /// The figure's name.
+    pub figure: String,
+    /// What was found; none where the figure is missing or no number.
+    pub found: Option<f64>,
+    /// The limit.
+    pub limit: Limit,
+    /// Why the method need not meet it; none where it must.
+    pub excepted: Option<String>,
+}
+
+impl Limits {
+    /// Holds `figures` of `method` against the limits of `case`; `differs` is the figure [`DIFFERS`] where
+    /// the case has a twin. None where there is no such case.
+    ///
+    /// Every limit of the case's own must find its figure. One for every case is passed over where the
+    /// picture has no such figure, such as an edge's displacement where there is no edge.
+    pub fn judge(
+        &self,
+        case: &str,
+        method: &str,
+        figures: &Figures,
+        differs: Option<f64>,
+    ) -> Option<Verdict> {
+        let (_, limits) = self.cases.iter().find(|(name, _)| name.0 == case)?;
+        let values = Values::new(figures, differs);
+        let exceptions = limits.exceptions.get(method);
+        let mut missed = Vec::new();
+        let mut unnecessary = Vec::new();
+
+        let mut general = self.every.clone();
+        general.extend(limits.any.clone());
+        for (figure, limit) in general {
+            let Figure(name) = figure;
+            let found = values.get(name);
+            let may_lack = !limits.any.contains_key(&figure) && is_optional(name);
+            let holds = found.map_or(may_lack, |found| limit.holds(found));
+            let reason = exceptions.and_then(|e| e.0.get(&Excepted(figure)));
+            match (holds, reason) {
+                (true, None) => {}
+                (true, Some(_)) => unnecessary.push(name.to_owned()),
+                (false, _) => missed.push(Miss {
+                    figure: name.to_owned(),
+                    found,
+                    limit,
+                    excepted: reason.map(|reason| reason.0.clone()),
+                }),
+            }
+        }
+        for (Figure(name), limit) in limits
+            .methods
+            .get(method)
+            .into_iter()
+            .flat_map(|own| &own.0)
+        {
+            let found = values.get(name);
+            if !found.is_some_and(|found| limit.holds(found)) {
+                missed.push(Miss {
+                    figure: (*name).to_owned(),
+                    found,
+                    limit: limit.clone(),
+                    excepted: None,
+                });
+            }
+        }
+        let reason = |miss: &Miss| {
+            let reason = miss.excepted.as_ref()?;
+            Some(format!("{}: {reason}", miss.figure))
+        };
+        let reasons: Vec<_> = missed.iter().filter_map(reason).collect();
+        Some(Verdict {
+            passed: missed.iter().all(|miss| miss.excepted.is_some()),
+            exception: (!reasons.is_empty()).then(|| reasons.join("; ")),
+            missed,
+            unnecessary,
+        })
+    }
+}
+
+/// The figures' numbers by their names.
+struct Values {
+    figures: Value,
+    differs: Option<f64>,
+}
+
+impl Values {
+    fn new(figures: &Figures, differs: Option<f64>) -> Self {
+        Self {
+            figures: as_json(figures),
+            differs,
+        }
+    }
+
+    /// None for what is missing, not a number or infinite.
+    fn get(&self, name: &str) -> Option<f64> {
+        if name == DIFFERS {
+            return self.differs.filter(|differs| differs.is_finite());
+        }
+        self.figures.get(name).and_then(Value::as_f64)
+    }
+}
+
+fn as_json(figures: &Figures) -> Value {
+    // Plain numbers have no way to fail; without any, every limit would be missed.
+    serde_json::to_value(figures).unwrap_or_default()
+}
+
+/// The names of all figures, by the alphabet, and whether a picture may have none.
+static FIGURES: LazyLock<Vec<(&'static str, bool)>> = LazyLock::new(|| {
+    let figures = as_json(&Figures::default());
+    let figures = figures.as_object().into_iter().flatten();
+    // Made once, and so few that they are kept for good.
+    let named = figures.map(|(name, value)| (&*name.clone().leak(), value.is_null()));
+    named.chain([(DIFFERS, true)]).collect()
+});
+
+/// The names of all figures.
+pub(super) fn figure_names() -> &'static [&'static str] {
+    static NAMES: LazyLock<Vec<&'static str>> =
+        LazyLock::new(|| FIGURES.iter().map(|(name, _)| *name).collect());
+    &NAMES
+}
+
+fn is_optional(name: &str) -> bool {
+    FIGURES
+        .iter()
+        .any(|(known, optional)| *known == name && *optional)
+}

@@ -1,0 +1,102 @@
+//! Scenes that catch shadow methods out, and the limits that they are held to. The crate's page lists
+//! them.
+
+mod depth;
+mod direction;
+mod empty;
+mod form;
+mod judge;
+mod limits;
+mod motion;
+mod place;
+mod reach;
+mod shapes;
+mod stage;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod tests_of_limits;
+
+use std::collections::BTreeMap;
+
+use umbrage_render::{Camera, RenderOptions, Scene, What};
+use umbrage_shadow::ShadowMethod;
+
+pub use self::{
+    judge::{DIFFERS, Miss, Verdict},
+    limits::{Limit, Limits, LimitsError},
+};
+
+/// A scene that is hard to shadow.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What tables and reports call it: the kind of case, and which of it.
+    pub name: &'static str,
+    /// What is hard, in a line.
+    pub hard: &'static str,
+    /// The scene. No light has a method; the shadows of all are measured.
+    pub scene: Scene,
+    /// Values of the method's axes that make the case; of a method without the axis, none.
+    pub axes: BTreeMap<&'static str, &'static str>,
+    /// Values of the method's settings that make the case; of a method without the setting, none.
+    pub settings: BTreeMap<&'static str, f64>,
+    /// The frames of a motion, in order; empty where the scene's own camera is the only one.
+    pub frames: Vec<Camera>,
+    /// The case whose shadows this one must show, pixel by pixel.
+    pub same_as: Option<&'static str>,
+    /// Pixels of the picture, across and down.
+    pub size: (u32, u32),
+}
+
+impl Case {
+    /// The scene's own camera or, of a motion, that of each frame.
+    pub fn cameras(&self) -> &[Camera] {
+        if self.frames.is_empty() {
+            std::slice::from_ref(&self.scene.camera)
+        } else {
+            &self.frames
+        }
+    }
+
+    /// How `method` is asked to render this case: its defaults, but for what makes the case.
+    pub fn options(&self, method: &dyn ShadowMethod, what: What) -> RenderOptions {
+        let has_axis = |axis: &&str| method.axes().contains(axis);
+        let has_setting = |name: &&str| method.settings().iter().any(|s| s.name == *name);
+        let axes = self.axes.iter().filter(|(axis, _)| has_axis(axis));
+        let settings = self.settings.iter().filter(|(name, _)| has_setting(name));
+        RenderOptions {
+            width: self.size.0,
+            height: self.size.1,
+            what,
+            method: Some(method.name().to_owned()),
+            axes: axes
+                .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
+                .collect(),
+            settings: settings.map(|(name, v)| ((*name).to_owned(), *v)).collect(),
+        }
+    }
+
+    fn with_axis(mut self, axis: &'static str, value: &'static str) -> Self {
+        self.axes.insert(axis, value);
+        self
+    }
+
+    fn with_setting(mut self, name: &'static str, value: f64) -> Self {
+        self.settings.insert(name, value);
+        self
+    }
+}
+
+/// All hard cases, the same each time. A case stands after the one that it must look the same as.
+pub fn all() -> Vec<Case> {
+    let families: [fn() -> Vec<Case>; 7] = [
+        depth::cases,
+        direction::cases,
+        place::cases,
+        form::cases,
+        reach::cases,
+        empty::cases,
+        motion::cases,
+    ];
+    families.into_iter().flat_map(|family| family()).collect()
+}

@@ -1,0 +1,477 @@
+//! The generators, and what the truth of each case says.
+
+use std::{collections::BTreeSet, sync::Arc};
+
+use glam::{DMat3, DVec3};
+use umbrage_render::Scene;
+use umbrage_shadow::{Extent, Lens, LightKind};
+
+use super::{Case, all, depth::SEAMS, direction::GRAZING, empty::UNSHADOWED};
+use crate::truth::{Seen, Sight, Source, Tracer};
+
+fn case(name: &str) -> Case {
+    let mut found = all().into_iter().filter(|case| case.name == name);
+    found.next().expect("a case of that name")
+}
+
+fn look(case: &Case) -> (Tracer, Sight) {
+    let tracer = Tracer::new(&case.scene).expect("a sound scene");
+    let sight = tracer
+        .look(case.size.0, case.size.1, &|| ())
+        .expect("a size");
+    (tracer, sight)
+}
+
+/// What the pixels see and their shadow terms, where a light reaches; the lights' one after another.
+fn samples(case: &Case) -> Vec<(Seen, f32)> {
+    let (tracer, sight) = look(case);
+    let of_light = |light| {
+        let terms = tracer.shadow(&sight, light, Source::Sharp, &|| ());
+        let pixels = sight.seen().iter().zip(terms.expect("a light"));
+        let pairs = pixels.filter_map(|(seen, term)| Some(((*seen)?, term?)));
+        pairs.collect::<Vec<_>>()
+    };
+    (0..case.scene.lights.len()).flat_map(of_light).collect()
+}
+
+fn forward(scene: &Scene) -> DVec3 {
+    scene.camera.rotation * DVec3::NEG_Z
+}
+
+fn direction(scene: &Scene) -> DVec3 {
+    match scene.lights[0].light.kind {
+        LightKind::Directional { direction } | LightKind::Spot { direction, .. } => direction,
+        LightKind::Point { .. } => unreachable!("the light has a direction"),
+    }
+}
+
+fn seen_names(case: &Case) -> BTreeSet<&str> {
+    let (_, sight) = look(case);
+    let objects = sight.seen().iter().flatten().map(|seen| seen.object);
+    objects
+        .map(|object| case.scene.objects[object as usize].name.as_str())
+        .collect()
+}
+
+#[test]
+fn every_kind_has_its_cases_each_with_a_name_of_its_own() {
+    let cases = all();
+    let names: Vec<_> = cases.iter().map(|case| case.name).collect();
+    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+    for kind in [
+        "depth-range",
+        "duelling-frusta",
+        "overhead",
+        "grazing",
+        "far-away",
+        "tiny",
+        "huge",
+        "open-mesh",
+        "contact",
+        "behind",
+        "exponent",
+        "steep-blocks",
+        "empty",
+        "motion",
+        "split-seams",
+    ] {
+        assert!(names.iter().any(|name| name.starts_with(kind)), "{kind}");
+    }
+    for (index, case) in cases.iter().enumerate() {
+        if let Some(twin) = case.same_as {
+            assert!(
+                names[..index].contains(&twin),
+                "{} comes before {twin}",
+                case.name
+            );
+        }
+    }
+    let kinds = |wanted: fn(&LightKind) -> bool| {
+        let lit = |case: &&Case| {
+            case.scene
+                .lights
+                .iter()
+                .any(|light| wanted(&light.light.kind))
+        };
+        cases.iter().filter(lit).count()
+    };
+    assert!(kinds(|kind| matches!(kind, LightKind::Point { .. })) >= 5);
+    assert!(kinds(|kind| matches!(kind, LightKind::Spot { .. })) >= 5);
+}
+
+/// Light and shadow in healthy shares, so that neither kind of error can hide.
+#[test]
+fn the_truth_of_each_case_has_light_and_shadow() {
+    for case in all() {
+        let samples = samples(&case);
+        assert!(
+            samples.len() > 4000,
+            "{}: {} samples",
+            case.name,
+            samples.len()
+        );
+        let dark = samples.iter().filter(|(_, term)| *term < 0.5).count();
+        let share = dark as f64 / samples.len() as f64;
+        if UNSHADOWED.contains(&case.name) {
+            assert_eq!(dark, 0, "{}", case.name);
+        } else {
+            assert!(
+                (0.03..=0.97).contains(&share),
+                "{}: {share} in shadow",
+                case.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_same_cases_come_out_each_time() {
+    for (first, second) in all().iter().zip(&all()) {
+        assert_eq!(first.frames, second.frames);
+        assert_eq!(first.scene.lights, second.scene.lights);
+        assert_eq!(first.scene.objects.len(), second.scene.objects.len());
+        for (a, b) in first.scene.objects.iter().zip(&second.scene.objects) {
+            assert!(a.mesh == b.mesh && a.transform == b.transform && a.bounds == b.bounds);
+        }
+    }
+}
+
+#[test]
+fn meshes_are_finite_and_their_normals_unit() {
+    for case in all() {
+        for object in &case.scene.objects {
+            let mesh = &object.mesh;
+            assert_eq!(mesh.positions.len(), mesh.normals.len());
+            assert!(mesh.positions.iter().all(|place| place.is_finite()));
+            let may_be_zero = case.name == "empty-degenerate" && object.name == "shard";
+            for normal in &mesh.normals {
+                let is_unit = (normal.length() - 1.0).abs() < 1e-5;
+                let is_zero = may_be_zero && normal.length() == 0.0;
+                assert!(is_unit || is_zero, "{}: {}", case.name, object.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn depths_of_all_decades_are_lit_and_shaded() {
+    let case = case("depth-range");
+    let camera = case.scene.camera;
+    assert_eq!((camera.near, camera.far), (0.1, 1000.0));
+    let samples = samples(&case);
+    for (from, to) in [(0.9, 1.2), (9.0, 12.0), (90.0, 120.0), (850.0, 1000.0)] {
+        for is_lit in [false, true] {
+            let found = samples.iter().filter(|(seen, term)| {
+                let depth = seen.position.dot(forward(&case.scene));
+                (from..to).contains(&depth) && (*term > 0.5) == is_lit
+            });
+            let found = found.count();
+            assert!(found > 20, "{found} of {is_lit} from {from} to {to} m");
+        }
+    }
+}
+
+/// The nearest caster stands 2 cm before the lamp, what is lit reaches nearly to its end.
+#[test]
+fn a_spot_light_shades_from_its_bulb_to_its_range() {
+    let case = case("depth-range-spot");
+    let LightKind::Spot {
+        position, range, ..
+    } = case.scene.lights[0].light.kind
+    else {
+        unreachable!("a spot light")
+    };
+    assert_eq!(range, 100.0);
+    let boxes = case.scene.objects.iter().map(|object| &object.bounds);
+    let distances = boxes.map(|b| position.clamp(b.min, b.max).distance(position));
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    assert!((0.01..0.03).contains(&nearest), "{nearest}");
+    let far = samples(&case)
+        .into_iter()
+        .filter(|(seen, _)| (seen.position + case.scene.camera.position).distance(position) > 75.0);
+    let dark = far.filter(|(_, term)| *term < 0.5).count();
+    assert!(dark > 50, "{dark}");
+}
+
+#[test]
+fn duelling_lights_shine_along_the_view() {
+    for (name, along) in [
+        ("duelling-frusta-along", 1.0),
+        ("duelling-frusta-against", -1.0),
+    ] {
+        let scene = case(name).scene;
+        assert!((direction(&scene) - along * forward(&scene)).length() < 1e-12);
+    }
+}
+
+#[test]
+fn overhead_lights_are_straight_above() {
+    for name in ["overhead", "overhead-down", "overhead-spot"] {
+        let scene = case(name).scene;
+        assert_eq!(direction(&scene), DVec3::NEG_Y, "{name}");
+    }
+    let view = forward(&case("overhead-down").scene);
+    assert!((view - DVec3::NEG_Y).length() < 1e-12);
+    let spots = case("overhead-spot").scene.lights;
+    assert!(
+        matches!(spots[1].light.kind, LightKind::Spot { direction, .. } if direction == DVec3::Y)
+    );
+}
+
+#[test]
+fn grazing_angles_are_exact() {
+    for (name, _, degrees) in GRAZING {
+        let light = direction(&case(name).scene);
+        let angle = light.x.hypot(light.z).atan2(-light.y);
+        assert!(
+            (angle - degrees.to_radians()).abs() < 1e-12,
+            "{name}: {angle}"
+        );
+    }
+}
+
+/// Relative to their cameras, as far as the places' own digits go.
+#[test]
+fn twins_are_alike() {
+    for twin in all() {
+        let Some(name) = twin.same_as else { continue };
+        let base = case(name);
+        let (a, b) = (&base.scene, &twin.scene);
+        let scale = b.camera.near / a.camera.near;
+        assert!((b.camera.far / a.camera.far - scale).abs() < 1e-12 * scale);
+        assert_eq!(a.camera.rotation, b.camera.rotation);
+        let farthest = b.camera.position.length() + 20.0 * scale;
+        let bound = 8.0 * f64::EPSILON * farthest;
+        let alike = |from: DVec3, to: DVec3| {
+            let (from, to) = (from - a.camera.position, to - b.camera.position);
+            assert!(
+                (scale * from - to).length() <= bound,
+                "{}: {from} {to}",
+                twin.name
+            );
+        };
+        assert_eq!(a.objects.len(), b.objects.len());
+        for (from, to) in a.objects.iter().zip(&b.objects) {
+            assert_eq!(from.mesh, to.mesh);
+            for place in &from.mesh.positions {
+                let place = place.as_dvec3();
+                alike(
+                    from.transform.transform_point3(place),
+                    to.transform.transform_point3(place),
+                );
+            }
+        }
+        for (from, to) in a.lights.iter().zip(&b.lights) {
+            match (&from.light.kind, &to.light.kind) {
+                (
+                    LightKind::Directional { direction },
+                    LightKind::Directional { direction: to },
+                ) => {
+                    assert_eq!(direction, to);
+                }
+                (
+                    LightKind::Spot {
+                        position, range, ..
+                    }
+                    | LightKind::Point { position, range },
+                    LightKind::Spot {
+                        position: to,
+                        range: to_range,
+                        ..
+                    }
+                    | LightKind::Point {
+                        position: to,
+                        range: to_range,
+                    },
+                ) => {
+                    alike(*position, *to);
+                    assert!((scale * range - to_range).abs() <= bound);
+                }
+                _ => unreachable!("lights of the same kind"),
+            }
+        }
+    }
+    let out = |name: &str| case(name).scene.camera.position.abs().min_element();
+    assert!(out("far-away-1e5") > 6e4 && out("far-away-1e6") > 6e5);
+}
+
+/// What is far out or scaled has the truth of its twin: but for edges through a pixel's very centre, which
+/// rounding may put on either side.
+#[test]
+fn twins_have_the_same_truth() {
+    let base: Vec<_> = samples(&case("far-away-origin"))
+        .iter()
+        .map(|s| s.1)
+        .collect();
+    for twin in all().iter().filter(|case| case.same_as.is_some()) {
+        let terms: Vec<_> = samples(twin).iter().map(|s| s.1).collect();
+        assert_eq!(terms.len(), base.len(), "{}", twin.name);
+        let differ = terms.iter().zip(&base).filter(|(a, b)| a != b).count();
+        assert!(differ <= 3, "{}: {differ}", twin.name);
+    }
+}
+
+#[test]
+fn mirrors_mirror() {
+    let case = case("open-mesh-mirrored");
+    let objects = &case.scene.objects;
+    let is_mirrored = |o: &&umbrage_render::Object| o.transform.matrix3.determinant() < 0.0;
+    let mirrored: Vec<_> = objects.iter().filter(is_mirrored).collect();
+    assert_eq!(mirrored.len(), 3);
+    let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+    for object in mirrored {
+        let twin = objects.iter().find(|twin| {
+            Arc::ptr_eq(&twin.mesh, &object.mesh)
+                && mirror * twin.transform.translation == object.transform.translation
+        });
+        let twin = twin.expect("a twin under no mirror");
+        assert_eq!(mirror * twin.transform.matrix3, object.transform.matrix3);
+    }
+}
+
+#[test]
+fn what_touches_touches() {
+    for name in ["contact", "contact-lamp"] {
+        for object in &case(name).scene.objects {
+            if ["wall", "ball", "cone"].contains(&object.name.as_str()) {
+                assert!(object.bounds.min.y.abs() < 1e-7, "{name}: {}", object.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn casters_behind_are_not_seen() {
+    let seen = |name: &str| {
+        seen_names(&case(name))
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(seen("behind"), ["ground"]);
+    assert!(!seen("behind-light").contains(&"ring".to_owned()));
+    assert!(!seen("behind-spot").contains(&"bar".to_owned()));
+    let scene = case("behind-spot").scene;
+    let LightKind::Spot { position, .. } = scene.lights[0].light.kind else {
+        unreachable!("a spot light")
+    };
+    assert!((position - scene.camera.position).dot(forward(&scene)) < 0.0);
+}
+
+#[test]
+fn the_viewers_head_is_not_seen_and_shades() {
+    let case = case("empty-head");
+    let names = seen_names(&case);
+    assert!(
+        !names.contains("ball") && !names.contains("body"),
+        "{names:?}"
+    );
+    let head = case
+        .scene
+        .objects
+        .iter()
+        .find(|o| o.name == "ball")
+        .expect("a head");
+    assert_eq!(head.bounds.center(), case.scene.camera.position);
+    assert!(head.bounds.max.y - case.scene.camera.position.y < case.scene.camera.near);
+}
+
+#[test]
+fn casters_keep_to_one_split() {
+    let scene = case("empty-split").scene;
+    for object in scene.objects.iter().filter(|object| object.material.casts) {
+        assert!(object.bounds.max.z <= -28.0 && object.bounds.min.z >= -62.0);
+    }
+}
+
+#[test]
+fn shards_have_triangles_without_area_among_others() {
+    let scene = case("empty-degenerate").scene;
+    let shard = scene
+        .objects
+        .iter()
+        .find(|o| o.name == "shard")
+        .expect("a shard");
+    let flat = shard
+        .mesh
+        .normals
+        .chunks(3)
+        .filter(|normals| normals[0].length() == 0.0);
+    assert_eq!((flat.count(), shard.mesh.normals.len() / 3), (4, 5));
+}
+
+/// Where any of three schemes puts a border of 1 to 8 splits (lambda 0 uniform, 1 logarithmic, between
+/// them practical: Zhang et al. 2006), there are light and shadow on the ground.
+#[test]
+fn every_split_border_lies_across_an_edge() {
+    let case = case("split-seams");
+    let (near, far) = SEAMS;
+    assert_eq!((case.scene.camera.near, case.scene.camera.far), SEAMS);
+    let ground = case
+        .scene
+        .objects
+        .iter()
+        .position(|o| o.name == "valley")
+        .expect("a ground");
+    let on_ground: Vec<_> = samples(&case)
+        .iter()
+        .filter(|(seen, _)| seen.object as usize == ground)
+        .map(|(seen, term)| (seen.position.dot(forward(&case.scene)), *term > 0.5))
+        .collect();
+    for splits in 2..=8_u32 {
+        for (border, lambda) in (1..splits).flat_map(|i| [0.0, 0.5, 1.0].map(|l| (i, l))) {
+            let share = f64::from(border) / f64::from(splits);
+            let logarithmic = near * (far / near).powf(share);
+            let border = lambda * logarithmic + (1.0 - lambda) * (near + share * (far - near));
+            for is_lit in [false, true] {
+                let close = |depth: f64| (depth / border - 1.0).abs() < 0.05;
+                let found = on_ground
+                    .iter()
+                    .filter(|s| close(s.0) && s.1 == is_lit)
+                    .count();
+                assert!(found >= 5, "{splits} splits, {border} m, {is_lit}: {found}");
+            }
+        }
+    }
+}
+
+/// Less than a texel of a map of 2048 texels over the ground that is seen, and less than a pixel of what
+/// is seen nearest; and never the same offset within a texel.
+#[test]
+fn motions_are_less_than_a_texel_and_than_a_pixel() {
+    for case in all().into_iter().filter(|case| !case.frames.is_empty()) {
+        assert_eq!(case.frames.len(), 64, "{}", case.name);
+        let scene = &case.scene;
+        let view = scene.camera.view(case.size.0, case.size.1);
+        let ground = scene.objects[0].bounds.translate(-view.position);
+        let lens = Lens::directional(direction(scene));
+        let extent = Extent::of(&lens, DVec3::ZERO, &[ground], &[&view.frustum_relative()]);
+        let texel = extent
+            .expect("the ground is seen")
+            .rect
+            .size()
+            .max_element()
+            / 2048.0;
+        let (_, sight) = look(&case);
+        let depths = sight
+            .seen()
+            .iter()
+            .flatten()
+            .map(|s| s.position.dot(forward(scene)));
+        let nearest = depths.fold(f64::INFINITY, f64::min);
+        let pixel = 2.0 * (0.5 * scene.camera.fov_y).tan() / f64::from(case.size.1);
+        let (mut slid, mut turned) = (0, 0);
+        for pair in case.frames.windows(2) {
+            let step = pair[0].position.distance(pair[1].position);
+            let turn = pair[0].rotation.angle_between(pair[1].rotation);
+            assert!(
+                step < texel && step < pixel * nearest,
+                "{step} m, {texel} m a texel"
+            );
+            assert!(turn < pixel, "{turn}");
+            slid += usize::from(step > 0.0);
+            turned += usize::from(turn > 1e-6);
+        }
+        assert_eq!((slid, turned), (31, 32), "{}", case.name);
+    }
+}

@@ -1,0 +1,246 @@
+//! The table of limits, and how figures are held against it.
+
+use std::{collections::BTreeSet, fmt::Write as _, path::Path};
+
+use super::{DIFFERS, Limits, all, limits::Figure};
+use crate::figures::Figures;
+
+/// A table with `grazing` for the case `grazing-85`, and nothing more for the others.
+fn table(every: &str, grazing: &str) -> String {
+    let mut text = format!("(\n  every: {{ {every} }},\n  cases: {{\n");
+    for case in all() {
+        let entry = if case.name == "grazing-85" {
+            grazing
+        } else {
+            "()"
+        };
+        writeln!(text, "    \"{}\": {entry},", case.name).expect("written");
+    }
+    text + "  },\n)"
+}
+
+fn read(every: &str, grazing: &str) -> Limits {
+    Limits::parse(&table(every, grazing), Path::new("limits.ron")).expect("a sound table")
+}
+
+fn refusal(text: &str) -> String {
+    let refused = Limits::parse(text, Path::new("limits.ron"));
+    refused.expect_err("it must be refused").to_string()
+}
+
+/// Line of the entry `grazing-85` in `table`.
+fn line() -> usize {
+    let before = all().iter().position(|case| case.name == "grazing-85");
+    4 + before.expect("the case")
+}
+
+const BAD: &str = r#""bad_pixels": (most: 0, why: "w")"#;
+
+#[test]
+fn the_built_in_table_is_sound() {
+    let limits = Limits::built_in().expect("a sound table");
+    assert_eq!(limits.methods(), BTreeSet::from(["basic"]));
+    let twins: BTreeSet<_> = all()
+        .iter()
+        .filter(|c| c.same_as.is_some())
+        .map(|c| c.name)
+        .collect();
+    let held = limits
+        .cases
+        .iter()
+        .filter(|(_, own)| own.any.contains_key(&Figure(DIFFERS)));
+    assert_eq!(held.map(|(name, _)| name.0).collect::<BTreeSet<_>>(), twins);
+    for case in all() {
+        let bad = Figures {
+            bad_pixels: 1,
+            compared: 10_000,
+            ..Figures::default()
+        };
+        let verdict = limits
+            .judge(case.name, "basic", &bad, Some(0.0))
+            .expect("the case");
+        assert!(!verdict.passed, "{}", case.name);
+    }
+}
+
+#[test]
+fn misspelt_figures_and_cases_are_named_with_their_place() {
+    let every = refusal(&table(r#""fals_lit": (most: 0.1, why: "w")"#, "()"));
+    assert_eq!(
+        every,
+        "limits.ron:2:13: there is no figure `fals_lit`; did you mean `false_lit`?"
+    );
+    let exception = refusal(&table(BAD, r#"(exceptions: { "basic": { "acme": "r" } })"#));
+    let expected = format!(
+        "limits.ron:{}:46: there is no figure `acme`; did you mean `acne`?",
+        line()
+    );
+    assert_eq!(exception, expected);
+    let case = refusal(&table(BAD, "()").replace("grazing-85", "grazing-58"));
+    let expected = format!(
+        "limits.ron:{}:6: there is no case `grazing-58`; did you mean `grazing-",
+        line()
+    );
+    assert!(case.starts_with(&expected), "{case}");
+    let other = refusal(&table(r#""speed": (most: 1, why: "w")"#, "()"));
+    assert!(
+        other.contains("there is no figure `speed` (known: acne, "),
+        "{other}"
+    );
+}
+
+#[test]
+fn a_case_that_is_left_out_is_named() {
+    let text = table(BAD, "()").replace("    \"grazing-85\": (),\n", "");
+    assert_eq!(
+        refusal(&text),
+        "limits.ron:3:3: the case `grazing-85` is not in the table; add it, `\"grazing-85\": ()` where it is held to no \
+         more than every case is"
+    );
+}
+
+#[test]
+fn what_says_nothing_or_too_much_is_refused() {
+    let refused = |grazing: &str| refusal(&table(BAD, grazing));
+    for (entry, message) in [
+        (
+            r#"(any: { "acne": (most: 0.1, why: " ") })"#,
+            "a reason is empty",
+        ),
+        (
+            r#"(any: { "acne": (why: "w") })"#,
+            "either the `most` or the `least`",
+        ),
+        (
+            r#"(any: { "acne": (most: 1, least: 0, why: "w") })"#,
+            "either the `most` or the `least`",
+        ),
+        (
+            r#"(any: { "acne": (most: -1, why: "w") })"#,
+            "a limit is -1, but must be finite and not below 0",
+        ),
+        (r#"(any: { "acne": (most: 0.1) })"#, "why"),
+        (
+            r#"(any: { "acne": (most: 0.1, why: "w", when: "x") })"#,
+            "when",
+        ),
+        (r#"(sometimes: {})"#, "sometimes"),
+        (
+            r#"(any: { "acne": (most: 1, why: "w"), "acne": (most: 2, why: "w") })"#,
+            r#"Figure("acne") stands twice"#,
+        ),
+        (
+            r#"(exceptions: { "basic": { "bad_pixels": "r" } })"#,
+            "no method is excepted from the limit of `bad_pixels`; mend the method",
+        ),
+        (
+            r#"(exceptions: { "basic": { "acne": "r" } })"#,
+            "`basic` is excepted from a limit of `acne`, but `grazing-85` has none; take the exception out",
+        ),
+        (
+            r#"(any: { "acne": (most: 0.1, why: "w") }, methods: { "basic": { "acne": (most: 0.2, why: "w") } })"#,
+            "`basic` may have a `acne` of at most 0.2, but all methods are held to at most 0.1; say under `exceptions` \
+             why it need not be, or take its own limit out",
+        ),
+    ] {
+        let refusal = refused(entry);
+        assert!(refusal.contains(message), "{refusal}");
+        assert!(
+            refusal.starts_with(&format!("limits.ron:{}:", line())),
+            "{refusal}"
+        );
+    }
+    assert_eq!(
+        refusal("(every: {}, cases: {}"),
+        "limits.ron:1:21: Expected comma"
+    );
+}
+
+#[test]
+fn figures_are_held_to_the_limits() {
+    let limits = read(
+        r#""bad_pixels": (most: 0, why: "w"), "acne": (most: 0.1, why: "w"), "edge_p95": (most: 3, why: "w")"#,
+        r#"(
+            any: { "acne": (most: 0.2, why: "w"), "compared": (least: 10, why: "w") },
+            methods: { "basic": { "acne": (most: 0.5, why: "w") } },
+            exceptions: { "basic": { "acne": "too steep" } },
+        )"#,
+    );
+    let judge = |case: &str, method: &str, figures: &Figures| {
+        limits.judge(case, method, figures, None).expect("a case")
+    };
+    let good = Figures {
+        compared: 10,
+        ..Figures::default()
+    };
+    let mottled = |acne: f64| Figures {
+        acne,
+        ..good.clone()
+    };
+
+    let verdict = judge("grazing-85", "other", &good);
+    assert!(verdict.passed && verdict.missed.is_empty() && verdict.unnecessary.is_empty());
+    // The case's own limit stands in the place of that for every case.
+    assert!(judge("grazing-85", "other", &mottled(0.15)).passed);
+    assert!(!judge("grazing-80", "other", &mottled(0.15)).passed);
+
+    let verdict = judge("grazing-85", "other", &mottled(0.3));
+    assert!(!verdict.passed && verdict.exception.is_none());
+    assert_eq!(verdict.missed[0].found, Some(0.3));
+    let verdict = judge("grazing-85", "basic", &mottled(0.3));
+    assert!(verdict.passed && verdict.unnecessary.is_empty());
+    assert_eq!(verdict.exception.as_deref(), Some("acne: too steep"));
+    // An exception has its own bound, and must be needed.
+    assert!(!judge("grazing-85", "basic", &mottled(0.6)).passed);
+    assert_eq!(
+        judge("grazing-85", "basic", &mottled(0.2)).unnecessary,
+        ["acne"]
+    );
+
+    // Too few samples, what is no number, and what is missing.
+    let few = Figures {
+        compared: 9,
+        ..Figures::default()
+    };
+    assert!(!judge("grazing-85", "other", &few).passed);
+    assert!(!judge("grazing-80", "other", &mottled(f64::NAN)).passed);
+    assert!(!judge("grazing-80", "other", &mottled(f64::INFINITY)).passed);
+    assert!(
+        judge(
+            "grazing-80",
+            "other",
+            &Figures {
+                edge_p95: None,
+                ..good.clone()
+            }
+        )
+        .passed
+    );
+    assert!(
+        !judge(
+            "grazing-80",
+            "other",
+            &Figures {
+                edge_p95: Some(3.5),
+                ..good.clone()
+            }
+        )
+        .passed
+    );
+    let bad = Figures {
+        bad_pixels: 1,
+        ..good
+    };
+    assert!(!judge("grazing-85", "basic", &bad).passed);
+    assert!(limits.judge("grazing-58", "basic", &bad, None).is_none());
+}
+
+#[test]
+fn a_twin_must_have_its_figure() {
+    let limits = read(BAD, r#"(any: { "differs": (most: 0.1, why: "w") })"#);
+    let passed = |differs| {
+        let verdict = limits.judge("grazing-85", "basic", &Figures::default(), differs);
+        verdict.expect("a case").passed
+    };
+    assert!(passed(Some(0.1)) && !passed(Some(0.2)) && !passed(None));
+}
