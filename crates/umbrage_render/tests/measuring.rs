@@ -44,7 +44,7 @@ fn basic_fetches_what_its_width_says_and_where_its_map_is() {
     let below = DVec3::new(1.0, 0.0, 0.5);
     // Beyond 40° from the lamp's axis, and beyond the map's corner as well.
     let aside = DVec3::new(5.5, 0.0, 1.0);
-    for width in [1, 3, 5, 15] {
+    for width in [1_u32, 3, 5, 15] {
         // A bilinear fetch takes two of W + 1 columns and rows; a cube map's takes one direction.
         let flat = u32::pow(width.div_ceil(2), 2);
         let cube = width * width;

@@ -99,6 +99,16 @@ impl Assets {
     }
 }
 
+#[cfg(test)]
+impl Assets {
+    /// Where the meshes lie, and the pictures.
+    pub(super) fn kept(&self) -> (Vec<usize>, Vec<wgpu::TextureView>) {
+        let meshes = self.meshes.values().map(|(_, mesh)| address(mesh));
+        let images = self.images.values().map(|(_, view)| view.clone());
+        (meshes.collect(), images.collect())
+    }
+}
+
 /// A number, as a pointer would keep a renderer on one thread.
 fn address<T>(source: &Arc<T>) -> usize {
     Arc::as_ptr(source).addr()

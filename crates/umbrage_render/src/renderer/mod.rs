@@ -226,3 +226,57 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use umbrage_compose::{Library, Target};
+
+    use super::*;
+
+    type Kept = (Vec<usize>, Vec<wgpu::TextureView>, Vec<wgpu::Texture>);
+
+    impl Renderer {
+        /// What is kept on the device, and where.
+        fn kept(&self) -> Kept {
+            let (mut places, mut images) = self.assets.kept();
+            places.extend(self.pipelines.values().map(|kept| Arc::as_ptr(kept).addr()));
+            places.sort_unstable();
+            images.sort_unstable();
+            let maps = self.shadow_maps.values();
+            (places, images, maps.map(|(_, map)| map.clone()).collect())
+        }
+    }
+
+    /// A moved camera makes no pipeline, no mesh, no picture and no shadow map anew.
+    #[test]
+    fn what_stays_the_same_is_kept() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let package = umbrage_shader_lib::package().expect("the shader library");
+        let library = Library::new([package]).expect("the library");
+        let composer = Arc::new(Composer::new(library, Target::default()));
+        let methods = umbrage_methods::registry().expect("names are unique");
+        let gpu = Arc::new(Gpu::new().expect("an adapter"));
+        let mut renderer = Renderer::new(gpu, composer, methods);
+        let mut scene = Scene::load(folder.join("scenes/leaves.ron")).expect("a sound scene");
+        for what in [
+            What::Shaded,
+            What::ShadowTerm,
+            What::Triangles,
+            What::Fetches,
+        ] {
+            let options = RenderOptions {
+                width: 40,
+                height: 30,
+                what,
+                ..RenderOptions::default()
+            };
+            renderer.render(&scene, &options).expect("renders");
+            let before = renderer.kept();
+            assert!(before.0.len() > 2 && !before.1.is_empty());
+            assert_eq!(before.2.is_empty(), what == What::Triangles);
+            scene.camera.position.x += 1e-3;
+            renderer.render(&scene, &options).expect("renders");
+            assert_eq!(renderer.kept(), before, "{what:?}");
+        }
+    }
+}
