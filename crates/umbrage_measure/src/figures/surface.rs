@@ -121,12 +121,11 @@ impl Facet {
 fn plane_normal(scene: &Scene, seen: &Seen) -> Option<DVec3> {
     let object = scene.objects.get(seen.object as usize)?;
     let first = 3 * seen.triangle as usize;
-    let corner = |index: &u32| object.mesh.positions.get(*index as usize);
-    let corners = object.mesh.indices.get(first..first + 3)?.iter();
-    let corners: Option<Vec<_>> = corners.map(corner).collect();
-    let [a, b, c] = <[_; 3]>::try_from(corners?)
-        .ok()?
-        .map(|corner| corner.as_dvec3());
+    let corner = |i: usize| {
+        let vertex = *object.mesh.indices.get(first + i)?;
+        Some(object.mesh.positions.get(vertex as usize)?.as_dvec3())
+    };
+    let (a, b, c) = (corner(0)?, corner(1)?, corner(2)?);
     // The translation plays no part, so nothing is lost far out. Edges are scaled, so that the product
     // of tiny ones does not vanish.
     let [ab, ac] = [b - a, c - a].map(|edge| {

@@ -1,0 +1,229 @@
+//! The figures of the method `basic`, whose faults are known.
+
+use std::{path::Path, sync::Arc};
+
+use umbrage_compose::{Composer, Library, Target};
+use umbrage_measure::{
+    figures::{Figures, Frame, Sample, Terms, figures, shimmer},
+    truth::{Sight, Source, Tracer},
+};
+use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_shadow::ShadowPlan;
+
+const SIZE: (u32, u32) = (480, 320);
+
+fn renderer() -> Renderer {
+    let package = umbrage_shader_lib::package().expect("the shader library");
+    let library = Library::new([package]).expect("the library");
+    let composer = Arc::new(Composer::new(library, Target::default()));
+    let methods = umbrage_methods::registry().expect("names are unique");
+    let gpu = Arc::new(Gpu::new().expect("an adapter"));
+    Renderer::new(gpu, composer, methods)
+}
+
+/// A scene as rendered, and what is true of it; of its first light.
+struct Measured {
+    scene: Scene,
+    sight: Sight,
+    raster: Vec<Option<(u32, u32)>>,
+    truth: Vec<Option<f32>>,
+    gaps: Vec<Option<f64>>,
+    rendered: Vec<f32>,
+    plan: Option<ShadowPlan>,
+}
+
+impl Measured {
+    fn new(renderer: &mut Renderer, scene: Scene) -> Self {
+        let (width, height) = SIZE;
+        let options = RenderOptions {
+            width,
+            height,
+            what: What::ShadowTerm,
+            ..RenderOptions::default()
+        };
+        let rendered = renderer.render(&scene, &options).expect("renders");
+        let Picture::ShadowTerm(mut terms) = rendered.picture else {
+            unreachable!("a shadow term was asked for")
+        };
+        let mut plans = rendered.report.plans;
+        let tracer = Tracer::new(&scene).expect("a sound scene");
+        let sight = tracer.look(width, height, &|| ()).expect("a size");
+        let truth = tracer.shadow(&sight, 0, Source::Sharp, &|| ());
+        let seen = sight.seen().iter();
+        Self {
+            raster: seen
+                .map(|seen| seen.map(|seen| (seen.object, seen.triangle)))
+                .collect(),
+            truth: truth.expect("a light"),
+            gaps: tracer.gaps(&sight, 0, &|| ()).expect("a light"),
+            rendered: terms.swap_remove(0),
+            plan: plans.swap_remove(0),
+            sight,
+            scene,
+        }
+    }
+
+    fn figures(&self) -> Figures {
+        let sample = Sample {
+            light: &self.scene.lights[0].light,
+            truth: &self.truth,
+            gaps: &self.gaps,
+            rendered: &self.rendered,
+            plan: self.plan.as_ref(),
+        };
+        figures(&self.scene, &self.sight, &self.raster, &[sample]).expect("of one size")
+    }
+
+    fn frame(&self) -> Frame<'_> {
+        Frame {
+            scene: &self.scene,
+            sight: &self.sight,
+            raster: &self.raster,
+            lights: vec![Terms {
+                truth: &self.truth,
+                rendered: &self.rendered,
+            }],
+        }
+    }
+}
+
+/// An example scene whose first light has `basic` so.
+fn example(name: &str, axes: &[(&str, &str)], settings: &[(&str, f64)]) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes");
+    let mut scene = Scene::load(folder.join(name)).expect("a sound scene");
+    let shadow = scene.lights[0].shadow.as_mut().expect("it has a method");
+    for (axis, value) in axes {
+        shadow.axes.insert((*axis).to_owned(), (*value).to_owned());
+    }
+    for (setting, value) in settings {
+        shadow.settings.insert((*setting).to_owned(), *value);
+    }
+    scene
+}
+
+/// The shadow of a ball that is not in the picture, and so high above the ground that no bias reaches it.
+fn ball_in_the_sun(resolution: u32) -> Scene {
+    let dir = tempfile::TempDir::new().expect("a folder");
+    let path = dir.path().join("scene.ron");
+    let text = format!(
+        r#"(
+        camera: (position: (2.5, 1.8, 3.2), target: (1.2, 0, 0.8), fov_degrees: 45),
+        lights: [(
+            kind: directional(direction: (0.4, -1, 0.27)),
+            shadow: (method: "basic", axes: {{"pcf": "3"}}, settings: {{"resolution": {resolution}}}),
+        )],
+        models: [
+            (shape: plane(size: (6, 6))),
+            (shape: sphere(radius: 1, segments: 256), translation: (0, 3, 0)),
+        ])"#
+    );
+    std::fs::write(&path, text).expect("written");
+    Scene::load(path).expect("a sound scene")
+}
+
+/// Half the texel, half the displacement, and half the d / d_i; and only the edge is wrong.
+#[test]
+fn edges_are_displaced_by_half_as_much_with_half_the_texel() {
+    let mut renderer = renderer();
+    let found = [32, 64, 128, 256].map(|resolution| {
+        let figures = Measured::new(&mut renderer, ball_in_the_sun(resolution)).figures();
+        println!("{resolution}: {figures:?}");
+        assert!(figures.edge > 0.0);
+        assert_eq!([figures.acne, figures.leak], [0.0; 2], "{resolution}");
+        let value = |figure: Option<f64>| figure.expect("there are edges");
+        [
+            value(figures.edge_p95),
+            value(figures.alias_p95),
+            figures.edge,
+        ]
+    });
+    for pair in found.windows(2) {
+        let [[edge, alias, wrong], [edge_after, alias_after, wrong_after]] = [pair[0], pair[1]];
+        // A little less than half, as the map keeps a margin of 3 texels on each side.
+        let ratio = alias_after / alias;
+        assert!((0.42..0.5).contains(&ratio), "{found:?}");
+        // Both edges run between pixels: each is within half a pixel's diagonal of its place, before and
+        // after.
+        let margin = (1.0 + ratio) * 0.5_f64.sqrt();
+        assert!((edge_after - ratio * edge).abs() <= margin, "{found:?}");
+        assert!(wrong_after < 0.75 * wrong, "{found:?}");
+    }
+}
+
+const SCENES: [&str; 3] = ["bunny_sun.ron", "suzanne_spot.ron", "room_point.ron"];
+
+/// As the scenes have it, `basic` errs at edges and at contacts. Without a bias the receivers shade
+/// themselves; with too much of one, what touches them does not shade them any more.
+#[test]
+fn each_fault_is_put_down_to_its_cause() {
+    let mut renderer = renderer();
+    for name in SCENES {
+        let mut of = |axes: &[_], settings: &[_]| {
+            let figures = Measured::new(&mut renderer, example(name, axes, settings)).figures();
+            println!("{name} {axes:?} {settings:?}: {figures:?}");
+            let Figures {
+                acne,
+                detachment,
+                leak,
+                beyond_range,
+                edge,
+                ..
+            } = figures;
+            let causes = acne + detachment + leak + beyond_range + edge;
+            assert!((causes - figures.false_lit - figures.false_shadow).abs() < 1e-12);
+            assert_eq!(
+                (figures.bad_pixels, figures.left_out, beyond_range),
+                (0, 0, 0.0)
+            );
+            figures
+        };
+        let sound = of(&[], &[]);
+        assert_eq!(sound.acne, 0.0, "{name}");
+        assert!(
+            sound.leak < 1e-4 && sound.edge + sound.detachment < 0.01,
+            "{name}"
+        );
+
+        let unbiased = of(&[("receiver_bias", "constant")], &[("depth_bias", 0.0)]);
+        assert!(
+            unbiased.acne > 0.1 && unbiased.acne > 5.0 * unbiased.edge,
+            "{name}"
+        );
+        assert!(
+            unbiased.detachment < sound.detachment && unbiased.leak < 1e-4,
+            "{name}"
+        );
+
+        let lifted = of(&[], &[("depth_bias", 30.0)]);
+        assert!(lifted.detachment > 4.0 * sound.detachment, "{name}");
+        assert_eq!(lifted.acne, 0.0, "{name}");
+        // Hardly anything that the bias lets through is taken for a leak.
+        assert!(lifted.leak < 0.01 * lifted.detachment, "{name}");
+    }
+}
+
+/// The map follows the camera, and so the edges of its texels move on the ground.
+#[test]
+fn larger_texels_shimmer_more() {
+    let mut renderer = renderer();
+    let mut of = |resolution: u32| {
+        let frames: Vec<_> = (0..4)
+            .map(|frame| {
+                let mut scene = ball_in_the_sun(resolution);
+                scene.camera.position.x += 0.02 * f64::from(frame);
+                Measured::new(&mut renderer, scene)
+            })
+            .collect();
+        let frames: Vec<_> = frames.iter().map(Measured::frame).collect();
+        shimmer(&frames)
+            .expect("of one size")
+            .expect("known samples")
+    };
+    let found = [16, 32, 64, 512].map(&mut of);
+    println!("{found:?}");
+    assert!(found[0] > 1e-3 && found[3] < 0.02 * found[0], "{found:?}");
+    assert!(
+        found.is_sorted_by(|coarse, fine| coarse > fine),
+        "{found:?}"
+    );
+}
