@@ -2,6 +2,7 @@
 
 mod arguments;
 mod check;
+mod cost;
 mod link;
 mod list;
 mod prebuild;
