@@ -73,6 +73,7 @@ impl Case {
                 .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
                 .collect(),
             settings: settings.map(|(name, v)| ((*name).to_owned(), *v)).collect(),
+            ..RenderOptions::default()
         }
     }
 

@@ -1,13 +1,103 @@
 //! What is written about the methods: figures of error beside figures of cost.
+//!
+//! A [`Report`] has a [`Row`] for each rendering of a scene. [`write`] makes two files of it:
+//!
+//! - `report.json`, for programs: every row with every figure by its name.
+//! - `report.html`, for people: one page that needs no network and no other file. For each scene it says
+//!   which configuration to choose, plots error against time and against memory, and shows each
+//!   configuration's shadows beside the true ones; a table has every figure.
+//!
+//! # What is recommended, and why
+//! The **error** of a row is [`Row::error`]. A row is on the **Pareto front** where no other row of its
+//! scene is at once no worse and somewhere better, in error and time or in error and memory: whoever
+//! chooses a row off the front gives something away for nothing. Of the front, the page proposes the
+//! fastest row within twice the least error. Rows with bad pixels may be on the front, but are never
+//! proposed.
+
+mod difference;
+mod error;
+mod format;
+mod names;
+mod page;
+mod pareto;
+mod pictures;
+mod plot;
+mod scale;
+mod table;
+mod verdict;
+mod write;
+
+#[cfg(test)]
+mod tests;
 
 use serde::Serialize;
 
 use crate::figures::Figures;
 
+pub use difference::{FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, difference};
+pub use error::ReportError;
+pub use pictures::Pictures;
 pub use umbrage_isa::Isa;
+pub use write::{FILES, FORMAT, check_earlier, write};
+
+/// All that is known about some scenes, drawn by some methods.
+///
+/// It has no date and no path of the machine's: the same figures are the same bytes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// What drew: the adapter's name and driver.
+    pub adapter: String,
+    /// The command that made the report, as it would be typed.
+    pub command: String,
+    /// Pixels across each picture.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// How often each time was taken.
+    pub rounds: u32,
+    /// The GPU family that `isa` is for, or why there is none.
+    pub isa_source: String,
+    /// The scenes, in the order in which they are shown.
+    pub scenes: Vec<SceneInfo>,
+    /// The renderings, in any order.
+    pub rows: Vec<Row>,
+    /// What was asked for, but cannot be drawn.
+    pub skipped: Vec<Skipped>,
+}
+
+/// What there is in a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SceneInfo {
+    /// The scene's name, as its rows give it.
+    pub name: String,
+    /// How many lights shine in it.
+    pub lights: usize,
+    /// How many triangles all its objects have.
+    pub triangles: usize,
+}
+
+/// A method that cannot draw a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// The scene's name.
+    pub scene: String,
+    /// The method's name.
+    pub method: String,
+    /// The configuration's name.
+    pub config: String,
+    /// Why it cannot, in the method's words.
+    pub reason: String,
+}
+
+impl Report {
+    /// Sets `pareto` of every row. [`write`] does so too, with a copy of its own.
+    pub fn mark_pareto(&mut self) {
+        pareto::mark(&mut self.rows);
+    }
+}
 
 /// One scene, drawn by one method in one configuration along one path.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Row {
     /// The scene's name.
     pub scene: String,
@@ -41,6 +131,15 @@ pub struct Row {
     /// Whether no other configuration of the scene is at once no worse and somewhere better, in error
     /// and time or in error and memory.
     pub pareto: bool,
+}
+
+impl Row {
+    /// What methods are ranked by: the share of the compared samples that are wrongly lit or wrongly in
+    /// shadow, 0 to 1.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.figures.false_lit + self.figures.false_shadow
+    }
 }
 
 /// A median and how far the measurements spread.

@@ -1,0 +1,314 @@
+//! `report.html`: one page, for a reader who wants to choose.
+//!
+//! Written with `maud`: its markup is checked when compiled, and it escapes whatever comes from outside.
+
+mod scene;
+
+use std::collections::BTreeMap;
+
+use base64::{Engine, engine::general_purpose::STANDARD};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{
+    FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, Pictures, Report, ReportError, Row,
+    format::percent, names::Names, table::table,
+};
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// Nothing is loaded from anywhere, even if a browser or a name should try.
+const POLICY: &str =
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// What the parts of the page share.
+struct Page<'a> {
+    report: &'a Report,
+    pictures: &'a [Pictures],
+    names: Names,
+    /// Each scene's rows, by their numbers in the report.
+    scenes: Vec<(&'a str, Vec<usize>)>,
+    /// The true pictures, each once, with the number of its class.
+    truths: BTreeMap<&'a [u8], usize>,
+}
+
+/// The page, with `pictures` for each row. The front is marked.
+pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, ReportError> {
+    let mut truths = BTreeMap::new();
+    for pictures in pictures {
+        let number = truths.len();
+        truths.entry(pictures.truth.as_slice()).or_insert(number);
+    }
+    let page = Page {
+        report,
+        pictures,
+        names: Names::of(report),
+        scenes: by_scene(report),
+        truths,
+    };
+    let scenes: Vec<Markup> = (0..page.scenes.len())
+        .map(|number| page.scene(number))
+        .collect::<Result<_, _>>()?;
+    Ok(html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { "Shadow methods: error against cost" }
+                style { (PreEscaped(STYLE)) (PreEscaped(page.picture_styles())) }
+            }
+            body {
+                (page.header())
+                main {
+                    (page.overview())
+                    @for scene in scenes { (scene) }
+                    section #all-figures {
+                        h2 { "All figures" }
+                        p.note.js hidden { "Click a header to sort; again to turn the order round. ★ marks the Pareto front." }
+                        p.note.nojs { "In each scene the Pareto front (★) comes first, then the rows by error." }
+                        (table(report, &page.scenes, &page.names))
+                    }
+                    @for number in 0..page.scenes.len() { (page.gallery(number)) }
+                    (page.skipped())
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+    .into_string())
+}
+
+/// The rows' numbers by scenes: first the scenes that the report lists, then others as the rows come.
+fn by_scene(report: &Report) -> Vec<(&str, Vec<usize>)> {
+    let listed = report.scenes.iter().map(|scene| scene.name.as_str());
+    let mut scenes: Vec<(&str, Vec<usize>)> = Vec::new();
+    for name in listed.chain(report.rows.iter().map(|row| row.scene.as_str())) {
+        if !scenes.iter().any(|scene| scene.0 == name) {
+            scenes.push((name, Vec::new()));
+        }
+    }
+    for (index, row) in report.rows.iter().enumerate() {
+        if let Some(scene) = scenes.iter_mut().find(|scene| scene.0 == row.scene) {
+            scene.1.push(index);
+        }
+    }
+    scenes.retain(|scene| !scene.1.is_empty());
+    scenes
+}
+
+impl<'a> Page<'a> {
+    /// The rows of a scene, as the report has them.
+    fn rows(&self, scene: usize) -> Vec<&'a Row> {
+        let indices = self.scenes.get(scene).map_or(&[][..], |scene| &scene.1);
+        indices
+            .iter()
+            .filter_map(|index| self.report.rows.get(*index))
+            .collect()
+    }
+
+    /// The place of `row` in the report, which its pictures are called by.
+    fn index(&self, row: &Row) -> usize {
+        let rows = self.report.rows.iter();
+        rows.clone()
+            .position(|other| std::ptr::eq(other, row))
+            .unwrap_or(0)
+    }
+
+    fn header(&self) -> Markup {
+        let report = self.report;
+        html! {
+            header {
+                h1 { "Shadow methods: error against cost" }
+                dl.facts {
+                    div { dt { "drawn by" } dd { (report.adapter) } }
+                    div { dt { "pictures" } dd { (report.width) " × " (report.height) } }
+                    div { dt { "times" } dd { "median of " (report.rounds) } }
+                    div { dt { "instructions" } dd { (report.isa_source) } }
+                    @if !report.command.is_empty() { div { dt { "made by" } dd { code { (report.command) } } } }
+                }
+                p.lead {
+                    b { "Error" } " is the share of samples that are lit but should be in shadow (" i { "false lit" }
+                    ") or the reverse (" i { "false shadow" } "), against shadows by ray tracing. "
+                    b { "Time" } " is relative to the method basic with one tap in the same run. The "
+                    b { "Pareto front" } " has what no other configuration beats in both: everything off it costs \
+                    more, or errs more, for nothing."
+                }
+                nav aria-label="Contents" {
+                    @for (number, (scene, _)) in self.scenes.iter().enumerate() {
+                        a href={ "#scene-" (number) } { (scene) }
+                    }
+                    a href="#all-figures" { "All figures" }
+                    a href="#pictures-0" { "Pictures" }
+                    @if !self.report.skipped.is_empty() { a href="#skipped" { "Not drawn" } }
+                }
+            }
+        }
+    }
+
+    /// Configurations by scenes: which are worth having everywhere.
+    fn overview(&self) -> Markup {
+        if self.scenes.len() < 2 {
+            return html! {};
+        }
+        let lines = self.lines();
+        let shown = 10;
+        html! {
+            section #all-scenes {
+                h2 { "All scenes" }
+                p.note {
+                    "Error of each configuration in each scene. " span.star { "★" } " on the Pareto front, "
+                    span.near { "green" } " within twice the scene's least error; those on most fronts come first."
+                }
+                div.scroll tabindex="0" role="region" aria-label="Errors by scene" {
+                    (self.matrix(lines.get(..shown).unwrap_or(&lines)))
+                }
+                @if let Some(rest) = lines.get(shown..).filter(|rest| !rest.is_empty()) {
+                    details {
+                        summary { (rest.len()) " more" }
+                        div.scroll { (self.matrix(rest)) }
+                    }
+                }
+            }
+        }
+    }
+
+    fn matrix(&self, lines: &[Line<'a>]) -> Markup {
+        html! {
+            table.matrix {
+                thead { tr {
+                    th scope="col" { "configuration" }
+                    @for (number, (scene, _)) in self.scenes.iter().enumerate() {
+                        th scope="col" { a href={ "#scene-" (number) } { (scene) } }
+                    }
+                    th scope="col" { "on fronts" }
+                } }
+                tbody {
+                    @for line in lines {
+                        tr {
+                            th scope="row" { (line.name) }
+                            @for (row, least) in line.rows.iter().zip(self.least()) {
+                                @match row {
+                                    Some(row) => {
+                                        td.near[row.error() <= 2.0 * least] {
+                                            a href={ "#row-" (self.index(row)) } { (percent(row.error())) }
+                                            @if row.pareto { span.star { " ★" } } @else { span.star.none { " ★" } }
+                                        }
+                                    }
+                                    None => { td { "" } }
+                                }
+                            }
+                            td { (line.fronts()) " of " (line.rows.iter().flatten().count()) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The least error of each scene.
+    fn least(&self) -> Vec<f64> {
+        (0..self.scenes.len())
+            .map(|scene| {
+                let errors = self.rows(scene).into_iter().map(Row::error);
+                errors.fold(f64::INFINITY, f64::min)
+            })
+            .collect()
+    }
+
+    /// A line a configuration: those on most fronts first, and of those the one whose worst error is least.
+    fn lines(&self) -> Vec<Line<'a>> {
+        let mut lines: BTreeMap<String, Line<'a>> = BTreeMap::new();
+        for scene in 0..self.scenes.len() {
+            for row in self.rows(scene) {
+                let name = self.names.row(row);
+                let line = lines.entry(name.clone()).or_insert_with(|| Line {
+                    name,
+                    rows: vec![None; self.scenes.len()],
+                });
+                if let Some(place) = line.rows.get_mut(scene) {
+                    *place = Some(row);
+                }
+            }
+        }
+        let mut lines: Vec<_> = lines.into_values().collect();
+        lines.sort_by(|a, b| {
+            let fronts = b.fronts().cmp(&a.fronts());
+            fronts.then(a.worst().total_cmp(&b.worst()))
+        });
+        lines
+    }
+
+    fn skipped(&self) -> Markup {
+        html! {
+            @if !self.report.skipped.is_empty() {
+                section #skipped {
+                    h2 { "Not drawn" }
+                    div.scroll {
+                        table.plain {
+                            thead { tr { @for title in ["scene", "method", "config", "reason"] { th scope="col" { (title) } } } }
+                            tbody {
+                                @for skipped in &self.report.skipped {
+                                    tr {
+                                        td { (skipped.scene) } td { (skipped.method) } td { (skipped.config) }
+                                        td.reason { (skipped.reason) }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The true pictures as backgrounds, so that each is in the file once, however often it is shown; and
+    /// the colours of the differences.
+    fn picture_styles(&self) -> String {
+        let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+        let mut css = format!(
+            ":root{{--false-lit:{};--false-shadow:{};--left-out:{};--no-number:{}}}\n",
+            hex(FALSE_LIT),
+            hex(FALSE_SHADOW),
+            hex(LEFT_OUT),
+            hex(NO_NUMBER)
+        );
+        for (png, number) in &self.truths {
+            css.push_str(&format!(
+                ".truth-{number}{{background-image:url(\"{}\")}}\n",
+                data_url(png)
+            ));
+        }
+        css
+    }
+}
+
+/// A configuration across the scenes; none where it was not drawn.
+struct Line<'a> {
+    name: String,
+    rows: Vec<Option<&'a Row>>,
+}
+
+impl Line<'_> {
+    fn fronts(&self) -> usize {
+        self.rows.iter().flatten().filter(|row| row.pareto).count()
+    }
+
+    fn worst(&self) -> f64 {
+        let errors = self.rows.iter().flatten().map(|row| row.error());
+        errors.fold(0.0, |worst, error| {
+            // What is not known may be the worst.
+            if error.is_nan() {
+                f64::INFINITY
+            } else {
+                error.max(worst)
+            }
+        })
+    }
+}
+
+fn data_url(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}

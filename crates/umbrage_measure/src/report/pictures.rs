@@ -1,0 +1,127 @@
+//! The pictures of a row, as the page embeds them.
+
+use image::{
+    DynamicImage, GrayImage, ImageEncoder, RgbImage,
+    codecs::png::{CompressionType, FilterType, PngEncoder},
+};
+
+use super::{
+    ReportError,
+    difference::{byte, check_size, difference},
+};
+
+/// What one row's shadows look like. The pictures are kept as PNG, a small part of their size in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pictures {
+    /// Pixels across and down.
+    pub(super) size: (u32, u32),
+    pub(super) rendered: Vec<u8>,
+    pub(super) truth: Vec<u8>,
+    pub(super) difference: Vec<u8>,
+    pub(super) shaded: Option<Vec<u8>>,
+}
+
+impl Pictures {
+    /// The rendered term, the true one and their [`difference`], whose parameters these are; and the
+    /// shaded scene, where there is such a picture. White is lit, black is in shadow.
+    ///
+    /// # Errors
+    /// [`ReportError::Size`] where there is not one value a pixel, or no pixel, or the shaded picture has
+    /// another size.
+    pub fn new(
+        truth: &[Option<f32>],
+        rendered: &[f32],
+        compared: &[bool],
+        (width, height): (u32, u32),
+        shaded: Option<&RgbImage>,
+    ) -> Result<Self, ReportError> {
+        let difference = difference(truth, rendered, compared, width, height)?;
+        if let Some(shaded) = shaded
+            && shaded.dimensions() != (width, height)
+        {
+            let found = shaded.pixels().len();
+            check_size(width, height, "shaded pixels", found)?;
+            // As many pixels, but in rows of another length.
+            return Err(ReportError::Size {
+                width,
+                height,
+                what: "shaded pixels in rows of another length",
+                found,
+            });
+        }
+        // Nothing that is seen can be in shadow there: the renderer has it lit too.
+        let truth = truth.iter().map(|term| term.unwrap_or(1.0));
+        Ok(Self {
+            size: (width, height),
+            rendered: png(&gray(rendered.iter().copied(), width, height).into())?,
+            truth: png(&gray(truth, width, height).into())?,
+            difference: png(&difference.into())?,
+            shaded: shaded
+                .map(|shaded| png(&shaded.clone().into()))
+                .transpose()?,
+        })
+    }
+}
+
+/// The terms as grey; what is no number is black.
+fn gray(terms: impl Iterator<Item = f32>, width: u32, height: u32) -> GrayImage {
+    let mut picture = GrayImage::new(width, height);
+    for (pixel, term) in picture.pixels_mut().zip(terms) {
+        pixel.0 = [byte(term * 255.0)];
+    }
+    picture
+}
+
+fn png(picture: &DynamicImage) -> Result<Vec<u8>, ReportError> {
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
+        .write_image(
+            picture.as_bytes(),
+            picture.width(),
+            picture.height(),
+            picture.color().into(),
+        )?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pictures_are_the_terms() {
+        let pictures = Pictures::new(
+            &[Some(0.0), None, Some(1.0), Some(0.5)],
+            &[0.25, 1.0, f32::NAN, 2.0],
+            &[true, false, true, true],
+            (2, 2),
+            Some(&RgbImage::from_pixel(2, 2, image::Rgb([1, 2, 3]))),
+        )
+        .expect("pictures");
+        let decoded = |bytes: &[u8]| image::load_from_memory(bytes).expect("a PNG");
+        assert_eq!(
+            decoded(&pictures.rendered).into_luma8().as_raw(),
+            &[64, 255, 0, 255]
+        );
+        assert_eq!(
+            decoded(&pictures.truth).into_luma8().as_raw(),
+            &[0, 255, 255, 128]
+        );
+        assert_eq!(
+            decoded(&pictures.difference).into_rgb8().dimensions(),
+            (2, 2)
+        );
+        let shaded = pictures.shaded.expect("shaded");
+        assert_eq!(decoded(&shaded).into_rgb8().get_pixel(1, 1).0, [1, 2, 3]);
+    }
+
+    #[test]
+    fn a_shaded_picture_of_another_size_is_refused() {
+        for size in [(1, 1), (4, 1)] {
+            let shaded = RgbImage::new(size.0, size.1);
+            let error = Pictures::new(&[None; 4], &[0.0; 4], &[true; 4], (2, 2), Some(&shaded))
+                .expect_err("refused");
+            assert!(error.to_string().contains("shaded"), "{error}");
+        }
+    }
+}

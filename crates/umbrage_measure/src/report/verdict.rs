@@ -1,0 +1,183 @@
+//! Which configuration to choose, worked out from the figures.
+
+use super::{
+    Row,
+    pareto::{front, memory, points},
+};
+
+/// How much more error than the least one accepts for speed or memory.
+const NEAR: f64 = 2.0;
+
+/// A row worth choosing, and what for.
+pub(super) struct Choice<'a> {
+    pub(super) row: &'a Row,
+    /// Which virtues it has.
+    pub(super) because: Vec<&'static str>,
+}
+
+/// Rows whose error is known, and in which every sample is a shadow term.
+pub(super) fn usable<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
+    rows.iter()
+        .copied()
+        .filter(|row| row.error().is_finite() && row.figures.bad_pixels == 0)
+        .collect()
+}
+
+/// The rows of one scene to choose from, the one to begin with first: the fastest within twice the least
+/// error. None where no row is usable.
+pub(super) fn choices<'a>(rows: &[&'a Row]) -> Vec<Choice<'a>> {
+    let usable = usable(rows);
+    let Some(best) = least(&usable, [Row::error, time, memory]) else {
+        return Vec::new();
+    };
+    let near: Vec<&Row> = usable
+        .iter()
+        .copied()
+        .filter(|row| row.error() <= NEAR * best.error())
+        .collect();
+    let [fastest, smallest] = if best.error() == 0.0 {
+        ["fastest without error", "least memory without error"]
+    } else {
+        [
+            "fastest within twice the least error",
+            "least memory within twice the least error",
+        ]
+    };
+    let timed: Vec<&Row> = near
+        .iter()
+        .copied()
+        .filter(|row| row.time_ratio.is_finite())
+        .collect();
+    let found = [
+        (fastest, least(&timed, [time, Row::error, memory])),
+        (smallest, least(&near, [memory, Row::error, time])),
+        ("least error", Some(best)),
+    ];
+    let mut choices: Vec<Choice<'a>> = Vec::new();
+    for (why, row) in found {
+        let Some(row) = row else { continue };
+        match choices.iter_mut().find(|c| std::ptr::eq(c.row, row)) {
+            Some(choice) => choice.because.push(why),
+            None => choices.push(Choice {
+                row,
+                because: vec![why],
+            }),
+        }
+    }
+    choices
+}
+
+/// The least error for each budget: the usable rows on the front of `cost`, the cheapest first.
+pub(super) fn ladder<'a>(rows: &[&'a Row], cost: fn(&Row) -> f64) -> Vec<&'a Row> {
+    let usable = usable(rows);
+    let marks = front(&points(&usable, cost));
+    let mut steps: Vec<&Row> = usable
+        .into_iter()
+        .zip(marks)
+        .filter_map(|(row, on_front)| on_front.then_some(row))
+        .collect();
+    steps.sort_by(|a, b| cost(a).total_cmp(&cost(b)).then_with(|| by_name(a, b)));
+    steps
+}
+
+pub(super) fn time(row: &Row) -> f64 {
+    row.time_ratio
+}
+
+/// The row with the least first number, among equals the least second, and so on; at last the first by
+/// name, so that the order of the rows makes no difference.
+fn least<'a>(rows: &[&'a Row], keys: [fn(&Row) -> f64; 3]) -> Option<&'a Row> {
+    rows.iter().copied().min_by(|a, b| {
+        keys.iter()
+            .map(|key| (key(a) + 0.0).total_cmp(&(key(b) + 0.0)))
+            .find(|order| order.is_ne())
+            .unwrap_or_else(|| by_name(a, b))
+    })
+}
+
+fn by_name(a: &Row, b: &Row) -> std::cmp::Ordering {
+    let name = |row: &'_ Row| (row.method.clone(), row.config.clone(), row.path.clone());
+    name(a).cmp(&name(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tests::stage::measured;
+
+    fn named<'a>(choices: &[Choice<'a>]) -> Vec<(&'a str, usize)> {
+        choices
+            .iter()
+            .map(|c| (c.row.config.as_str(), c.because.len()))
+            .collect()
+    }
+
+    #[test]
+    fn the_choices_are_what_they_are_called() {
+        let rows = [
+            measured("exact", 0.010, 9.0, 900),
+            measured("quick", 0.019, 2.0, 500),
+            measured("small", 0.020, 3.0, 100),
+            measured("coarse", 0.021, 1.0, 50),
+        ];
+        let rows: Vec<&Row> = rows.iter().collect();
+        let found = choices(&rows);
+        assert_eq!(named(&found), [("quick", 1), ("small", 1), ("exact", 1)]);
+        assert_eq!(found[0].because, ["fastest within twice the least error"]);
+        assert_eq!(
+            found[1].because,
+            ["least memory within twice the least error"]
+        );
+        assert_eq!(found[2].because, ["least error"]);
+    }
+
+    #[test]
+    fn one_row_with_all_virtues_is_named_once() {
+        let rows = [
+            measured("best", 0.0, 1.0, 50),
+            measured("as good, slower", 0.0, 1.5, 50),
+            measured("worse", 0.001, 0.5, 10),
+        ];
+        let rows: Vec<&Row> = rows.iter().collect();
+        let found = choices(&rows);
+        assert_eq!(named(&found), [("best", 3)]);
+        assert_eq!(found[0].because[0], "fastest without error");
+    }
+
+    #[test]
+    fn what_is_broken_or_unmeasured_is_not_proposed() {
+        let mut bad = measured("bad", 0.001, 0.5, 10);
+        bad.figures.bad_pixels = 1;
+        let rows = [
+            bad,
+            measured("unknown", f64::NAN, 0.5, 10),
+            measured("untimed", 0.010, f64::NAN, 20),
+            measured("timed", 0.015, 4.0, 30),
+        ];
+        let all: Vec<&Row> = rows.iter().collect();
+        assert_eq!(named(&choices(&all)), [("timed", 1), ("untimed", 2)]);
+        assert!(choices(&all[..2]).is_empty());
+        let steps: Vec<_> = ladder(&all, time)
+            .iter()
+            .map(|r| r.config.clone())
+            .collect();
+        assert_eq!(steps, ["timed"]);
+    }
+
+    #[test]
+    fn a_ladder_costs_more_at_each_step_and_errs_less() {
+        let rows = [
+            measured("c", 0.01, 3.0, 1),
+            measured("a", 0.03, 1.0, 1),
+            measured("wasteful", 0.02, 4.0, 1),
+            measured("b", 0.02, 2.0, 1),
+        ];
+        let rows: Vec<&Row> = rows.iter().collect();
+        let steps: Vec<_> = ladder(&rows, time)
+            .iter()
+            .map(|r| r.config.as_str())
+            .collect();
+        assert_eq!(steps, ["a", "b", "c"]);
+        assert_eq!(ladder(&rows, memory).len(), 1);
+    }
+}
