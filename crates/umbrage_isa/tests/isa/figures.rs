@@ -1,7 +1,7 @@
 //! What the figures say.
 
 use umbrage_compose::Stage;
-use umbrage_isa::{PipelineState, costs};
+use umbrage_isa::{Isa, PipelineState, costs};
 
 use super::{compiler, cost, of_module, options, permutation};
 
@@ -34,7 +34,7 @@ fn the_same_again() {
 #[test]
 fn a_wider_filter_costs_more() {
     let mut compiler = compiler("navi21");
-    // Up to nine texels its loop is unrolled; what is left a loop is counted once (see the crate page).
+    // Up to nine texels its loop is unrolled.
     let fragments = WIDTHS.map(|pcf| cost(&mut compiler, &permutation(&sun_term(pcf)))[1].clone());
     for pair in fragments.windows(2) {
         let (narrow, wide) = (&pair[0].isa, &pair[1].isa);
@@ -136,4 +136,60 @@ fn families_differ() {
     // Waves of 64 where RDNA has 32, and half as much done at a time.
     assert_ne!(rdna2.sgprs, vega.sgprs);
     assert!(vega.inverse_throughput > rdna2.inverse_throughput);
+}
+
+/// What the crate page says of branches and loops.
+#[test]
+fn loops_are_counted_once_and_timed_by_a_guess() {
+    let mut compiler = compiler("navi21");
+    let mut measure = |opening: &str, closing: &str| {
+        let text = format!(
+            "@group(0) @binding(0) var<storage, read_write> numbers: array<f32>;
+            @group(0) @binding(1) var<uniform> count: u32;
+            @compute @workgroup_size(64)
+            fn cs_own(@builtin(global_invocation_id) id: vec3u) {{
+                var x = numbers[id.x];
+                {opening}
+                x = sin(x) * sin(x + 1.0) + sqrt(abs(x)) + exp2(x) * log2(abs(x) + 2.0);
+                x = sin(x) * sin(x + 1.0) + sqrt(abs(x)) + exp2(x) * log2(abs(x) + 2.0);
+                x = sin(x) * sin(x + 1.0) + sqrt(abs(x)) + exp2(x) * log2(abs(x) + 2.0);
+                x = sin(x) * sin(x + 1.0) + sqrt(abs(x)) + exp2(x) * log2(abs(x) + 2.0);
+                {closing}
+                numbers[id.x] = x;
+            }}"
+        );
+        cost(&mut compiler, &of_module(&text)).remove(0).isa
+    };
+    let once = measure("", "");
+    let looped = measure("for (var i = 0u; i < count; i++) {", "}");
+    let branched = measure("if count > 3u {", "}");
+    assert!(
+        branched.inverse_throughput < once.inverse_throughput,
+        "{branched:?}"
+    );
+    let nested = measure(
+        "for (var i = 0u; i < count; i++) { for (var j = 0u; j < count; j++) {",
+        "}}",
+    );
+    assert!(nested.instructions < 2 * once.instructions, "{nested:?}");
+    let times =
+        |more: &Isa, less: &Isa| more.inverse_throughput as f64 / less.inverse_throughput as f64;
+    assert!(
+        (6.0..10.0).contains(&times(&looped, &once)),
+        "{looped:?} {once:?}"
+    );
+    assert!(
+        (3.0..10.0).contains(&times(&nested, &looped)),
+        "{nested:?} {looped:?}"
+    );
+    let mut point = |pcf| {
+        let choices = [
+            ("light", "point"),
+            ("pass", "shadow_term"),
+            ("method", "basic"),
+            ("pcf", pcf),
+        ];
+        cost(&mut compiler, &permutation(&choices)).remove(1).isa
+    };
+    assert_eq!(point("11"), point("15"));
 }
