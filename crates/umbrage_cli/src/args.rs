@@ -22,6 +22,10 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Finds a scene's shadow term by rays: what every shadow method is to come near to.
     Truth(TruthArgs),
+    /// Measures shadow methods against the truth, and what they cost, and writes a report.
+    Compare(CompareArgs),
+    /// Tries shadow methods on the hard cases; status 1 where one misses a limit.
+    Stress(StressArgs),
     /// Validates every permutation of the manifests.
     Check(CheckArgs),
     /// Says how many permutations a manifest has, and which axes make them.
@@ -84,6 +88,57 @@ pub(crate) struct TruthArgs {
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
     /// Prints the camera, the lights and the cost as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct CompareArgs {
+    /// Scene files (.ron), or bare models (.glb, .gltf), which get a ground, a camera and a sun.
+    #[arg(required = true, value_name = "SCENE")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// The methods, with commas between; without it or with `all`, every one.
+    #[arg(long, value_name = "all|A,B")]
+    pub(crate) methods: Option<String>,
+    /// A list of configurations to try; without it, the project's own.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) configs: Option<PathBuf>,
+    /// The pictures' size in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
+    pub(crate) size: (u32, u32),
+    /// The folder to write report.html and report.json to: new, empty, or an earlier report, which is
+    /// replaced as a whole.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How often each configuration is timed.
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rounds: u32,
+    /// Frames of a small motion in which shimmer is looked for; 0 looks for none.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub(crate) frames: u32,
+    /// The GPU family that shaders are compiled for to tell their cost.
+    #[arg(long, value_name = "NAME", default_value = umbrage_isa::CompilerOptions::FAMILY)]
+    pub(crate) family: String,
+    /// A folder to keep permutations and truths in from run to run; without it, none is kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct StressArgs {
+    /// The methods, with commas between; without it or with `all`, every one.
+    #[arg(long, value_name = "all|A,B")]
+    pub(crate) methods: Option<String>,
+    /// The hard cases, with commas between; without it, every one.
+    #[arg(long, value_name = "A,B")]
+    pub(crate) cases: Option<String>,
+    /// A folder to keep permutations and truths in from run to run; without it, none is kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// A folder to write pictures of each case to: the method, the truth, the difference.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) pictures: Option<PathBuf>,
+    /// Prints the result as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
 }

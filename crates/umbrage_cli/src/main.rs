@@ -7,6 +7,7 @@ mod adapter;
 mod args;
 mod cause;
 mod check;
+mod compare;
 mod cost;
 mod link;
 mod list;
@@ -14,6 +15,8 @@ mod output;
 mod permutations;
 mod prebuild;
 mod render;
+mod report;
+mod stress;
 mod targets;
 mod truth;
 
@@ -29,6 +32,8 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Truth(args) => truth::truth(&args),
+        Command::Compare(args) => compare::compare(&args),
+        Command::Stress(args) => stress::stress(&args),
         Command::Check(args) => check::check(&args),
         Command::List(args) => list::list(&args),
         Command::Prebuild(args) => prebuild::prebuild(&args),

@@ -1,10 +1,16 @@
 //! What the command prints.
 
-use std::{io::Write, path::Path, time::Duration};
+use std::{
+    io::Write,
+    path::Path,
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use umbrage_measure::study::Progress;
 
 /// Prints a result. A standard output that nobody reads any more is an error, not a panic.
 pub(crate) fn print(text: &str) -> Result<()> {
@@ -22,11 +28,43 @@ pub(crate) fn print_json(value: &impl Serialize) -> Result<()> {
 }
 
 /// A progress bar on standard error; invisible where that is no terminal.
-pub(crate) fn progress(what: &'static str, steps: usize) -> ProgressBar {
-    let bar = ProgressBar::new(steps as u64).with_message(what);
+pub(crate) fn progress(what: &str, steps: usize) -> ProgressBar {
+    let bar = ProgressBar::new(steps as u64).with_message(what.to_owned());
     match ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} {elapsed}") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+/// The bars of a long work, one after the other.
+#[derive(Default)]
+pub(crate) struct Bars(Mutex<Option<ProgressBar>>);
+
+impl Bars {
+    pub(crate) fn clear(&self) {
+        self.show(None);
+    }
+
+    /// Shows `next` in the last bar's place.
+    fn show(&self, next: Option<ProgressBar>) {
+        // A bar that another thread broke off is a bar still.
+        let mut bar = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(last) = std::mem::replace(&mut *bar, next) {
+            last.finish_and_clear();
+        }
+    }
+}
+
+impl Progress for Bars {
+    fn begin(&self, what: &str, steps: usize) {
+        self.show(Some(progress(what, steps)));
+    }
+
+    fn step(&self) {
+        let bar = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bar) = &*bar {
+            bar.inc(1);
+        }
     }
 }
 

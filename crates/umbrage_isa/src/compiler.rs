@@ -102,6 +102,11 @@ impl Compiler {
         })
     }
 
+    /// The GPU family that is compiled for.
+    pub fn family(&self) -> &str {
+        &self.options.family
+    }
+
     /// What each stage of `permutation` costs where it is drawn as `state` says, in the order of a
     /// pipeline's stages. Of several vertex or fragment entry points the first is taken, as by the renderer.
     ///

@@ -125,4 +125,8 @@
 pub mod cases;
 pub mod figures;
 pub mod report;
+mod ron_file;
+pub mod study;
 pub mod truth;
+
+pub use ron_file::RonError;

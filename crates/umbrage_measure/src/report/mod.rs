@@ -110,12 +110,17 @@ pub struct Row {
     /// The errors.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Time of the caster passes, milliseconds.
+    /// Time of the caster passes on the device, milliseconds; no numbers where it has no timestamps.
     pub casters_ms: Spread,
-    /// Time of the shading, milliseconds.
+    /// Time of the shading on the device, milliseconds; no numbers where it has no timestamps.
     pub shading_ms: Spread,
-    /// Casters and shading over those of `basic` with one tap in the same run.
+    /// Time of the whole frame by the clock on the wall, milliseconds.
+    pub frame_ms: Spread,
+    /// Casters and shading (the frame, where there are no timestamps) over those of `basic` with one tap
+    /// in the same round; the median over the rounds.
     pub time_ratio: f64,
+    /// How far that ratio spreads.
+    pub time_ratio_spread: Spread,
     /// Bytes in the method's textures.
     pub memory_bytes: u64,
     /// Texels in them.
@@ -151,4 +156,20 @@ pub struct Spread {
     pub median: f64,
     /// The greatest.
     pub max: f64,
+}
+
+impl Spread {
+    /// The spread of `values`, in any order; of none, no numbers.
+    pub fn of(values: &[f64]) -> Self {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let at = |place: usize| sorted.get(place).copied().unwrap_or(f64::NAN);
+        let last = sorted.len().saturating_sub(1);
+        Self {
+            min: at(0),
+            // The middle of an even number is the mean of two.
+            median: 0.5 * (at(last / 2) + at(last.div_ceil(2))),
+            max: at(last),
+        }
+    }
 }

@@ -63,6 +63,23 @@ impl Pictures {
     }
 }
 
+impl Pictures {
+    /// The pictures as PNG files, each with its name: `method`, `truth`, `difference` and, where there is
+    /// one, `shaded`.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
+        let terms = [
+            ("method", &self.rendered),
+            ("truth", &self.truth),
+            ("difference", &self.difference),
+        ];
+        let shaded = self.shaded.iter().map(|png| ("shaded", png));
+        terms
+            .into_iter()
+            .chain(shaded)
+            .map(|(name, png)| (name, png.as_slice()))
+    }
+}
+
 /// The terms as grey; what is no number is black.
 fn gray(terms: impl Iterator<Item = f32>, width: u32, height: u32) -> GrayImage {
     let mut picture = GrayImage::new(width, height);

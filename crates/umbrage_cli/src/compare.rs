@@ -1,0 +1,137 @@
+//! `umbrage compare`: methods against the truth, and what they cost.
+
+use std::{path::Path, process::ExitCode, sync::Arc};
+
+use anyhow::{Context, Result, bail};
+use umbrage::{
+    compose::{Composer, Target},
+    methods::registry,
+    render::{Gpu, Scene},
+    shader_library,
+    shadow::Registry,
+};
+use umbrage_isa::Compiler;
+use umbrage_measure::{
+    report::Report,
+    study::{CompareOptions, Config, Lab, compare as measure},
+    truth::TruthStore,
+};
+
+use crate::{
+    args::CompareArgs,
+    output::Bars,
+    report::{check_out, write_report},
+};
+
+pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode> {
+    check_out(&args.out)?;
+    let registry = registry()?;
+    let methods = chosen(args.methods.as_deref(), &registry)?;
+    let scenes = load(args)?;
+    let mut composer = Composer::new(shader_library()?, Target::webgpu());
+    if let Some(folder) = &args.cache {
+        composer = composer.with_disk_cache(folder)?;
+    }
+    let mut lab = Lab::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
+    let configs = configs(args, &lab, &methods)?;
+    let options = CompareOptions {
+        size: args.size,
+        rounds: args.rounds,
+        frames: args.frames,
+        store: args.cache.as_ref().map(TruthStore::open).transpose()?,
+        command: command_line(),
+    };
+    let compiler = Compiler::start(&args.family).map_err(|error| error.to_string());
+    let bars = Bars::default();
+    let measured = measure(&mut lab, &scenes, &configs, &options, compiler, &bars);
+    bars.clear();
+    let comparison = measured?;
+    for warning in &comparison.warnings {
+        eprintln!("warning: {warning}");
+    }
+    for skipped in &comparison.report.skipped {
+        eprintln!(
+            "skipped: {} with {} ({}): {}",
+            skipped.scene, skipped.method, skipped.config, skipped.reason
+        );
+    }
+    write_report(&comparison.report, &comparison.pictures, &args.out)?;
+    tell(&comparison.report, &args.out);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The methods named by `--methods`; all where it is missing or `all`.
+pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<String>> {
+    let Some(asked) = asked.filter(|asked| *asked != "all") else {
+        return Ok(registry.names().map(str::to_owned).collect());
+    };
+    let names: Vec<_> = asked
+        .split(',')
+        .map(|name| name.trim().to_owned())
+        .collect();
+    for name in &names {
+        registry
+            .get(name)
+            .context("--methods: name known ones with commas between, or `all`")?;
+    }
+    Ok(names)
+}
+
+/// What was typed, without the way to this program.
+fn command_line() -> String {
+    let words = std::env::args().skip(1);
+    let quoted = words.map(|word| match word.contains(char::is_whitespace) {
+        true => format!("'{word}'"),
+        false => word,
+    });
+    std::iter::once("umbrage".to_owned())
+        .chain(quoted)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// The scenes, called by their files.
+fn load(args: &CompareArgs) -> Result<Vec<(String, Scene)>> {
+    let named = |path: &Path| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        Ok((name.into_owned(), Scene::load(path)?))
+    };
+    args.scenes.iter().map(|path| named(path)).collect()
+}
+
+/// The configurations to try: of the methods asked for alone.
+fn configs(args: &CompareArgs, lab: &Lab, methods: &[String]) -> Result<Vec<Config>> {
+    let Some(path) = &args.configs else {
+        return Ok(Config::standard(methods, lab.registry(), lab.library())?);
+    };
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("--configs {} cannot be read", path.display()))?;
+    let file = path.display().to_string();
+    let mut configs = Config::parse(&file, &text, lab.registry(), lab.library())?;
+    configs.retain(|config| methods.contains(&config.method));
+    if configs.is_empty() {
+        bail!("--configs {file} lists none of the methods that --methods names");
+    }
+    Ok(configs)
+}
+
+/// Says for a person what there is to read.
+fn tell(report: &Report, out: &Path) {
+    let front = report.rows.iter().filter(|row| row.pareto);
+    for row in front {
+        eprintln!(
+            "{}: {} ({}): {:.2} % wrong at {:.2} of the time of one tap, {} KiB",
+            row.scene,
+            row.method,
+            row.config,
+            100.0 * row.error(),
+            row.time_ratio,
+            row.memory_bytes >> 10,
+        );
+    }
+    eprintln!(
+        "{} renderings are compared in {}",
+        report.rows.len(),
+        out.join("report.html").display()
+    );
+}

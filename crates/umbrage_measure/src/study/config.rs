@@ -1,0 +1,162 @@
+//! Configurations: a method with what is chosen for it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+use umbrage_compose::Library;
+use umbrage_render::RenderOptions;
+use umbrage_shadow::{Registry, Settings, ShadowMethod};
+
+use super::StudyError;
+use crate::ron_file;
+
+/// A method with what is chosen for it: an entry of a file of configurations.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// What reports call it; a method's configurations have different names.
+    pub name: String,
+    /// The shadow method of all lights.
+    pub method: String,
+    /// Values of the method's axes; the rest have their defaults.
+    #[serde(default)]
+    pub axes: BTreeMap<String, String>,
+    /// Values of the method's settings; the rest have their defaults.
+    #[serde(default)]
+    pub settings: BTreeMap<String, f64>,
+}
+
+/// The configurations that show what the project's own methods can do.
+const STANDARD: &str = include_str!("../../configs.ron");
+
+impl Config {
+    /// Reads a list of configurations in RON, and checks each against what there is. `file` is what
+    /// errors call the text.
+    ///
+    /// # Errors
+    /// A text that is no such list (with line and column), or an empty one; a method, an axis, a value or a
+    /// setting that does not exist; two configurations of one method and name.
+    pub fn parse(
+        file: &str,
+        text: &str,
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Self>, StudyError> {
+        let configs: Vec<Self> = ron_file::parse(file, text)?;
+        let wrong = |place: String, problem: String| StudyError::Config {
+            file: file.to_owned(),
+            place,
+            problem,
+        };
+        if configs.is_empty() {
+            let problem = "there is none; list one as (name: \"default\", method: \"basic\")";
+            return Err(wrong("configurations".to_owned(), problem.to_owned()));
+        }
+        let mut seen = BTreeSet::new();
+        for (index, config) in configs.iter().enumerate() {
+            let place = format!("configuration {} (`{}`)", index + 1, config.name);
+            if let Err(problem) = config.check(registry, library) {
+                return Err(wrong(place, problem));
+            }
+            if !seen.insert((&config.method, &config.name)) {
+                let method = &config.method;
+                let problem = format!("`{method}` has another of this name; give each its own");
+                return Err(wrong(place, problem));
+            }
+        }
+        Ok(configs)
+    }
+
+    /// What is worth comparing of `methods`: the project's own choice for its own methods; for any other its
+    /// defaults, and each of its axes' values by itself.
+    ///
+    /// # Errors
+    /// A method that is not registered.
+    pub fn standard(
+        methods: &[String],
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Self>, StudyError> {
+        let known: Vec<Self> = ron_file::parse("configs.ron", STANDARD)?;
+        let mut configs = Vec::new();
+        for name in methods {
+            let method = registry.get(name).map_err(StudyError::Method)?;
+            let own = known.iter().filter(|config| config.method == *name);
+            let before = configs.len();
+            configs.extend(own.cloned());
+            if configs.len() == before {
+                configs.extend(Self::varied(method.as_ref(), library));
+            }
+        }
+        Ok(configs)
+    }
+
+    /// The method's defaults, and each value of its axes by itself.
+    fn varied(method: &dyn ShadowMethod, library: &Library) -> Vec<Self> {
+        let plain = Self {
+            name: "default".to_owned(),
+            method: method.name().to_owned(),
+            ..Self::default()
+        };
+        let mut configs = vec![plain.clone()];
+        for name in method.axes() {
+            let Some(axis) = library.axes().get(name) else {
+                continue;
+            };
+            for value in axis
+                .values()
+                .filter(|v| Some(*v) != axis.default.as_deref())
+            {
+                configs.push(Self {
+                    name: format!("{name} {value}"),
+                    axes: BTreeMap::from([((*name).to_owned(), value.to_owned())]),
+                    ..plain.clone()
+                });
+            }
+        }
+        configs
+    }
+
+    /// The method's name and the configuration's, for a person.
+    pub(super) fn label(&self) -> String {
+        format!("{} ({})", self.method, self.name)
+    }
+
+    /// What a renderer is to be told.
+    pub(super) fn options(&self, (width, height): (u32, u32)) -> RenderOptions {
+        RenderOptions {
+            width,
+            height,
+            method: Some(self.method.clone()),
+            axes: self.axes.clone(),
+            settings: self.settings.clone(),
+            ..RenderOptions::default()
+        }
+    }
+
+    fn check(&self, registry: &Registry, library: &Library) -> Result<(), String> {
+        let method = registry.get(&self.method).map_err(|e| e.to_string())?;
+        for (axis, value) in &self.axes {
+            if !method.axes().contains(&axis.as_str()) {
+                let (name, known) = (&self.method, method.axes().join(", "));
+                return Err(format!(
+                    "method `{name}` has no axis `{axis}` (known: {known})"
+                ));
+            }
+            let found = library.axes().get(axis);
+            let values: Vec<_> = found.iter().flat_map(|axis| axis.values()).collect();
+            if !values.contains(&value.as_str()) {
+                let known = values.join(", ");
+                return Err(format!(
+                    "axis `{axis}` has no value `{value}` (known: {known})"
+                ));
+            }
+        }
+        let chosen = self
+            .settings
+            .iter()
+            .map(|(name, value)| (name.as_str(), *value));
+        Settings::check(method.settings(), chosen).map_err(|error| error.to_string())?;
+        Ok(())
+    }
+}

@@ -1,0 +1,306 @@
+//! Draws a scene with a method, and measures what was drawn.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use umbrage_compose::{Composer, Library, Permutation};
+use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_shadow::{Registry, Support};
+
+use super::StudyError;
+use crate::{
+    figures::{Figures, Sample, figures, flip},
+    report::Pictures,
+    truth::Truth,
+};
+
+/// A device to draw on, what to compose shaders from, and the methods to measure.
+pub struct Lab {
+    composer: Arc<Composer>,
+    registry: Registry,
+    renderer: Renderer,
+    adapter: String,
+}
+
+/// One picture of a scene: what is true of it, and what the rasteriser sees.
+pub(super) struct Subject<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) truth: &'a Truth,
+    /// What the rasteriser saw in each pixel: an object and a triangle.
+    pub(super) raster: Vec<Option<(u32, u32)>>,
+}
+
+/// A scene without its shadows, linear RGB.
+pub(super) struct Unshadowed {
+    /// In no light but the ambient.
+    ambient: Vec<[f32; 3]>,
+    /// What each light adds.
+    lights: Vec<Vec<[f32; 3]>>,
+}
+
+impl Lab {
+    /// A lab whose permutations come from `composer`.
+    pub fn new(gpu: Arc<Gpu>, composer: Arc<Composer>, registry: Registry) -> Self {
+        let adapter = gpu.adapter().to_owned();
+        Self {
+            renderer: Renderer::new(gpu, Arc::clone(&composer), registry.clone()),
+            composer,
+            registry,
+            adapter,
+        }
+    }
+
+    /// The methods that can be measured.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// The shader library.
+    pub fn library(&self) -> &Library {
+        self.composer.library()
+    }
+
+    /// The adapter that is drawn on.
+    pub fn adapter(&self) -> &str {
+        &self.adapter
+    }
+
+    /// Why `method` cannot be tried on `scene`, where it cannot.
+    pub(super) fn refusal(
+        &self,
+        scene: &Scene,
+        method: &str,
+    ) -> Result<Option<String>, StudyError> {
+        let method = self.registry.get(method).map_err(StudyError::Method)?;
+        let reason = scene
+            .lights
+            .iter()
+            .find_map(|light| match method.supports(&light.light) {
+                Support::Yes => None,
+                Support::No(reason) => Some(format!("light `{}`: {reason}", light.name)),
+            });
+        Ok(reason)
+    }
+
+    /// The scene as the rasteriser sees it, beside its truth.
+    pub(super) fn subject<'a>(
+        &mut self,
+        scene: &'a Scene,
+        truth: &'a Truth,
+    ) -> Result<Subject<'a>, RenderError> {
+        let options = RenderOptions {
+            what: What::Triangles,
+            ..plain(truth)
+        };
+        let raster = match self.renderer.render(scene, &options)?.picture {
+            Picture::Triangles(raster) => raster,
+            _ => Vec::new(),
+        };
+        Ok(Subject {
+            scene,
+            truth,
+            raster,
+        })
+    }
+
+    /// The shadow terms, by lights, and what the methods planned.
+    pub(super) fn terms(
+        &mut self,
+        subject: &Subject<'_>,
+        options: &RenderOptions,
+    ) -> Result<Rendered, RenderError> {
+        let options = RenderOptions {
+            what: What::ShadowTerm,
+            ..options.clone()
+        };
+        self.renderer.render(subject.scene, &options)
+    }
+
+    /// Texture fetches a compared sample, counted on the device: the mean.
+    pub(super) fn fetches(
+        &mut self,
+        subject: &Subject<'_>,
+        options: &RenderOptions,
+    ) -> Result<f64, RenderError> {
+        let options = RenderOptions {
+            what: What::Fetches,
+            ..options.clone()
+        };
+        let counts = match self.renderer.render(subject.scene, &options)?.picture {
+            Picture::Fetches(counts) => counts,
+            _ => Vec::new(),
+        };
+        let (mut sum, mut samples) = (0.0, 0_u64);
+        for (counts, truth) in counts.iter().zip(&subject.truth.terms) {
+            for (pixel, (count, term)) in counts.iter().zip(truth).enumerate() {
+                if term.is_some() && subject.agrees(pixel) {
+                    sum += f64::from(*count);
+                    samples += 1;
+                }
+            }
+        }
+        Ok(sum / samples.max(1) as f64)
+    }
+
+    /// The shaded picture, and how long its passes took.
+    pub(super) fn shaded(
+        &mut self,
+        subject: &Subject<'_>,
+        options: &RenderOptions,
+    ) -> Result<Rendered, RenderError> {
+        let options = RenderOptions {
+            timed: true,
+            ..options.clone()
+        };
+        self.renderer.render(subject.scene, &options)
+    }
+
+    /// The scene without its shadows.
+    pub(super) fn unshadowed(&mut self, subject: &Subject<'_>) -> Result<Unshadowed, RenderError> {
+        let mut scene = subject.scene.clone();
+        let lights = std::mem::take(&mut scene.lights);
+        let ambient = self.plain_picture(&scene, subject)?;
+        (scene.ambient, scene.background) = (Vec3::ZERO, Vec3::ZERO);
+        let mut pictures = Vec::new();
+        for light in lights {
+            scene.lights = vec![light];
+            pictures.push(self.plain_picture(&scene, subject)?);
+        }
+        Ok(Unshadowed {
+            ambient,
+            lights: pictures,
+        })
+    }
+
+    fn plain_picture(
+        &mut self,
+        scene: &Scene,
+        subject: &Subject<'_>,
+    ) -> Result<Vec<[f32; 3]>, RenderError> {
+        let options = plain(subject.truth);
+        Ok(pixels(&self.renderer.render(scene, &options)?.picture).to_vec())
+    }
+
+    /// The permutations that draw the lights of a picture.
+    pub(super) fn illumination(
+        &self,
+        rendered: &Rendered,
+    ) -> Result<Vec<Arc<Permutation>>, StudyError> {
+        let used = rendered.report.permutations.iter();
+        let lit = used.filter(|used| used.key.get("pass") == Some("illumination"));
+        lit.map(|used| Ok(self.composer.compose(&used.key)?.permutation))
+            .collect()
+    }
+}
+
+impl Subject<'_> {
+    pub(super) fn size(&self) -> (u32, u32) {
+        (self.truth.sight.width(), self.truth.sight.height())
+    }
+
+    /// Whether the rasteriser saw in a pixel what the ray saw.
+    pub(super) fn agrees(&self, pixel: usize) -> bool {
+        let seen = self.truth.sight.seen().get(pixel).copied().flatten();
+        let seen = seen.map(|seen| (seen.object, seen.triangle));
+        self.raster.get(pixel).copied().flatten() == seen
+    }
+
+    /// The errors of the shadow terms in `rendered`.
+    pub(super) fn figures(&self, rendered: &Rendered) -> Result<Figures, StudyError> {
+        let terms = terms(rendered);
+        let samples: Vec<_> = (self.scene.lights.iter().enumerate())
+            .map(|(index, light)| Sample {
+                light: &light.light,
+                truth: &self.truth.terms[index],
+                gaps: &self.truth.gaps[index],
+                rendered: terms.get(index).map_or(&[], Vec::as_slice),
+                plan: rendered.report.plans.get(index).and_then(Option::as_ref),
+            })
+            .collect();
+        Ok(figures(
+            self.scene,
+            &self.truth.sight,
+            &self.raster,
+            &samples,
+        )?)
+    }
+
+    /// How far a shaded picture is from what it would be with true shadows: mean FLIP. Pixels where the
+    /// rasteriser saw another triangle than the ray are taken as they were rendered.
+    pub(super) fn flip(
+        &self,
+        unshadowed: &Unshadowed,
+        rendered: &Rendered,
+    ) -> Result<f64, StudyError> {
+        let shaded = pixels(&rendered.picture);
+        let mut truth = unshadowed.ambient.clone();
+        for (added, terms) in unshadowed.lights.iter().zip(&self.truth.terms) {
+            for ((pixel, added), term) in truth.iter_mut().zip(added).zip(terms) {
+                let term = term.unwrap_or(1.0);
+                for (channel, added) in pixel.iter_mut().zip(added) {
+                    *channel += term * added;
+                }
+            }
+        }
+        for (pixel, (truth, shaded)) in truth.iter_mut().zip(shaded).enumerate() {
+            if !self.agrees(pixel) {
+                *truth = *shaded;
+            }
+        }
+        let (width, height) = self.size();
+        Ok(flip(width, height, &truth, shaded)?)
+    }
+
+    /// What a report shows of a rendering: of several lights the product of their terms.
+    pub(super) fn pictures(
+        &self,
+        rendered: &Rendered,
+        shaded: Option<&Rendered>,
+    ) -> Result<Pictures, StudyError> {
+        let rendered = terms(rendered);
+        let (mut truth, mut drawn) = (Vec::new(), Vec::new());
+        for pixel in 0..self.truth.sight.seen().len() {
+            let lights = self.truth.terms.iter().zip(rendered);
+            // Where a light does not reach, what its method says does not matter.
+            let reached = lights.filter_map(|(truth, drawn)| Some((truth[pixel]?, drawn[pixel])));
+            let product = reached.reduce(|a, b| (a.0 * b.0, a.1 * b.1));
+            truth.push(product.map(|(truth, _)| truth));
+            drawn.push(product.map_or(1.0, |(_, drawn)| drawn));
+        }
+        let compared: Vec<_> = (0..truth.len()).map(|pixel| self.agrees(pixel)).collect();
+        let shaded = shaded.map(|shaded| shaded.to_image().into_rgb8());
+        Ok(Pictures::new(
+            &truth,
+            &drawn,
+            &compared,
+            self.size(),
+            shaded.as_ref(),
+        )?)
+    }
+}
+
+/// The shadow terms of a rendering, by lights.
+pub(super) fn terms(rendered: &Rendered) -> &[Vec<f32>] {
+    match &rendered.picture {
+        Picture::ShadowTerm(terms) => terms,
+        _ => &[],
+    }
+}
+
+/// The colours of a shaded picture.
+fn pixels(picture: &Picture) -> &[[f32; 3]] {
+    match picture {
+        Picture::Shaded(pixels) => pixels,
+        _ => &[],
+    }
+}
+
+/// A picture without shadows, as large as the truth's.
+fn plain(truth: &Truth) -> RenderOptions {
+    RenderOptions {
+        width: truth.sight.width(),
+        height: truth.sight.height(),
+        method: Some("none".to_owned()),
+        ..RenderOptions::default()
+    }
+}

@@ -1,0 +1,31 @@
+//! Measures methods: scenes against configurations, and hard cases against limits.
+
+mod compare;
+mod config;
+mod error;
+mod lab;
+mod motion;
+mod stress;
+mod timing;
+
+pub use self::{
+    compare::{CompareOptions, Comparison, compare},
+    config::Config,
+    error::StudyError,
+    lab::Lab,
+    stress::{CaseResult, Stressed, stress},
+};
+
+/// How far a long work has come, for a progress bar.
+pub trait Progress: Sync {
+    /// What is done next, in so many steps.
+    fn begin(&self, what: &str, steps: usize);
+    /// A step is done; called from any thread.
+    fn step(&self);
+}
+
+/// Shows nothing.
+impl Progress for () {
+    fn begin(&self, _: &str, _: usize) {}
+    fn step(&self) {}
+}
