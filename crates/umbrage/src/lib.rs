@@ -121,6 +121,9 @@
 //! - **Check every permutation**: a manifest names your package beside Umbrage's and says which keys
 //!   exist; `umbrage check` validates them without a GPU, and tells a fault once, in your file, with the
 //!   smallest choice of axes that triggers it.
+//! - **Count what you fetch**: before each texture fetch of your method stands
+//!   `@if(COUNT_FETCHES) count_fetch();`, imported from `umbrage::common::fetches`. Whoever renders
+//!   [`What::Fetches`](render::What::Fetches) gets the counts; a fetch without one is refused, by its line.
 //! - **Test the plan**: it is data. Lights straight above, empty scenes and cameras far from the origin
 //!   are worth a test each.
 //! - **An axis or a setting?** What changes the shader is an axis, and costs a permutation; what ends in

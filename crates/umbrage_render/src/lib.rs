@@ -1,7 +1,9 @@
 //! Renders shadowed scenes through wgpu: the only library crate that drives a device.
 //!
 //! A [`Scene`] is plain data in f64, loaded from a scene file or a glTF model. A [`Renderer`] turns
-//! it into a [`Rendered`] picture, or into the bare shadow term of each light:
+//! it into a [`Rendered`] picture, or into [what] else a pixel is asked for: the bare shadow term of
+//! each light, the texture fetches that it takes, or the triangle that is seen. A shaded picture comes
+//! about so:
 //!
 //! 1. What the camera may see is found, and for each light what of it the light may reach.
 //! 2. For each light that has a shadow method, the method plans, and the plan is executed: casters
@@ -15,6 +17,11 @@
 //!
 //! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
 //! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
+//!
+//! What it took is in the [`Report`]. Pipelines, meshes, textures and shadow maps are kept from one
+//! picture to the next, and let go with their scene; what depends on the camera is made anew.
+//!
+//! [what]: What
 //!
 //! ```no_run
 //! use std::sync::Arc;

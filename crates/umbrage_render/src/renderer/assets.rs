@@ -101,9 +101,10 @@ impl Assets {
 
 #[cfg(test)]
 impl Assets {
-    /// Where the meshes lie, and the pictures.
-    pub(super) fn kept(&self) -> (Vec<usize>, Vec<wgpu::TextureView>) {
-        let meshes = self.meshes.values().map(|(_, mesh)| address(mesh));
+    /// The meshes' positions, and the pictures.
+    pub(super) fn kept(&self) -> (Vec<wgpu::Buffer>, Vec<wgpu::TextureView>) {
+        let meshes = self.meshes.values();
+        let meshes = meshes.map(|(_, mesh)| mesh.attributes[0].clone());
         let images = self.images.values().map(|(_, view)| view.clone());
         (meshes.collect(), images.collect())
     }
