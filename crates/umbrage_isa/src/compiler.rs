@@ -169,7 +169,7 @@ impl Compiler {
     }
 }
 
-/// What each of `permutations` costs, in their order, by one process a core. `done` is called after each.
+/// What each of `permutations` costs, in their order, by up to one process a core. `done` is called after each.
 ///
 /// # Errors
 /// Where no compiler starts; what goes wrong with one permutation is its own result.
@@ -179,7 +179,9 @@ pub fn costs(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Result<Vec<StageCost>, IsaError>>, IsaError> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let count = cores.min(permutations.len()).max(1);
+    let count = cores
+        .min(permutations.len().div_ceil(WORTH_A_PROCESS))
+        .max(1);
     let next = AtomicUsize::new(0);
     let work = |mut compiler: Compiler| {
         let mut costs = Vec::new();
@@ -212,3 +214,6 @@ pub fn costs(
     costs.sort_by_key(|(index, _)| *index);
     Ok(costs.into_iter().map(|(_, cost)| cost).collect())
 }
+
+/// So many permutations take about as long as a process does to start and to open its device.
+const WORTH_A_PROCESS: usize = 16;

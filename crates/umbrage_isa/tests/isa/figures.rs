@@ -1,7 +1,7 @@
 //! What the figures say.
 
 use umbrage_compose::Stage;
-use umbrage_isa::{Isa, PipelineState, costs};
+use umbrage_isa::{ColorTarget, Isa, PipelineState, costs};
 
 use super::{compiler, cost, of_module, options, permutation};
 
@@ -192,4 +192,43 @@ fn loops_are_counted_once_and_timed_by_a_guess() {
         cost(&mut compiler, &permutation(&choices)).remove(1).isa
     };
     assert_eq!(point("11"), point("15"));
+}
+
+#[test]
+fn targets_matter_and_what_becomes_of_the_output_does_not() {
+    let mut compiler = compiler("navi21");
+    let choices = [("pass", "illumination"), ("method", "basic")];
+    let sun = permutation(&choices);
+    let mut fragment = |state: &PipelineState| {
+        let costs = compiler.cost(&sun, state).expect("figures");
+        costs[1].isa.clone()
+    };
+    let added = PipelineState::of(&sun);
+    let plain = PipelineState::plain(&sun);
+    assert_ne!(added, plain);
+    assert_eq!(fragment(&added), fragment(&plain));
+    let culled = PipelineState {
+        cull: Some(wgpu_types::Face::Back),
+        ..plain.clone()
+    };
+    assert_eq!(fragment(&culled), fragment(&plain));
+    let wide = PipelineState {
+        colors: plain
+            .colors
+            .iter()
+            .map(|target| {
+                target.map(|target| ColorTarget {
+                    format: wgpu_types::TextureFormat::Rgba32Float,
+                    ..target
+                })
+            })
+            .collect(),
+        ..plain.clone()
+    };
+    assert_ne!(fragment(&wide), fragment(&plain));
+    let nowhere = PipelineState {
+        colors: vec![None],
+        ..plain
+    };
+    assert!(fragment(&nowhere).instructions < 5);
 }
