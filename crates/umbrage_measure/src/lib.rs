@@ -1,4 +1,4 @@
-//! What is true of a scene's shadows, so that a shadow method can be held against it.
+//! What is true of a scene's shadows, and how far a shadow method is from it.
 //!
 //! # The model
 //! A shadow method answers one question approximately: does the light reach this point? This crate
@@ -43,10 +43,59 @@
 //! - **No chance.** The same scene gives the same numbers whatever the number of threads; the rays of a
 //!   light with an extent are placed by a hash of the pixel's number.
 //!
+//! # The figures
+//! [`figures`] holds rendered shadow terms against true ones. A *sample* is a pixel in one light. It is
+//! *compared* where something is seen, the light reaches it, and the rasteriser drew the very triangle that
+//! the ray met; where it drew another one, it is *left out*, and counted. All lights are pooled. Lit is above
+//! ½, in shadow below. [`Figures`](figures::Figures) says each to the letter.
+//!
+//! | figure | what | unit |
+//! | --- | --- | --- |
+//! | `compared`, `left_out` | how many samples there are | samples |
+//! | `false_lit`, `false_shadow` | lit but should not be, and the reverse | share of the compared |
+//! | `beyond_range` | false light farther out than the method's shadow distance | share |
+//! | `detachment` | else, false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
+//! | `edge` | else, false light or shadow where the filter reaches a true edge | share |
+//! | `leak`, `acne` | else, false light, and false shadow | share |
+//! | `rmse`, `p99` | the term's error: root of the mean square, and what 99 of 100 do not exceed | of the term, 0 to 1 |
+//! | `edge_p50`, `edge_p95`, `edge_max` | from each true shadow edge to the nearest rendered one, and back | pixels |
+//! | `alias_p95`, `alias_over_1` | d / d_i, how many pixels a texel covers across: a percentile, and the share above 1 | pixels a texel; share of the samples that face their light |
+//! | `alias_perspective_p95`, `alias_projection_p95` | its two factors: what the map's projection makes of it, and what the receiver's slope does | pixels a texel; 1 |
+//! | `shimmer` | samples that flip from frame to frame on the moving camera's surfaces, less those that flip in truth | share of the samples known in both |
+//! | `flip` | mean FLIP of the shaded picture against the one with true shadows | 0 alike to 1 |
+//! | `bad_pixels` | not a number, infinite, or outside 0..1 | samples |
+//!
+//! Every wrong sample has exactly one cause: `beyond_range`, `detachment`, `edge`, `leak` and `acne` add up to
+//! `false_lit` and `false_shadow`. How far a bias and a filter reach comes from the plan (the filter's
+//! radius, the passes' matrices) and from the receiver's slope; see [`figures::aliasing`].
+//!
+//! ```
+//! use umbrage_measure::{figures::{Sample, figures}, truth::{Source, Tracer}};
+//! use umbrage_render::Scene;
+//!
+//! let scene = Scene::load("../../examples/scenes/bunny_sun.ron")?;
+//! let tracer = Tracer::new(&scene)?;
+//! let sight = tracer.look(64, 36, &|| ())?;
+//! let truth = tracer.shadow(&sight, 0, Source::Sharp, &|| ())?;
+//! let gaps = tracer.gaps(&sight, 0, &|| ())?;
+//! // What a renderer makes of it: here, light everywhere, and the rays' own triangles.
+//! let rendered = vec![1.0; 64 * 36];
+//! let seen = sight.seen().iter();
+//! let raster: Vec<_> = seen.map(|s| s.map(|s| (s.object, s.triangle))).collect();
+//! let light = &scene.lights[0].light;
+//! let sample = Sample { light, truth: &truth, gaps: &gaps, rendered: &rendered, plan: None };
+//! let found = figures(&scene, &sight, &raster, &[sample])?;
+//! assert!(found.false_lit > 0.0 && found.false_shadow == 0.0);
+//! assert_eq!(found.edge_p50, Some(64_f64.hypot(36.0)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Cost
 //! The triangles lie in a tree of boxes (`parry3d`), so that a ray costs about the logarithm of their
 //! number; the rows of a picture are shared among all threads. A triangle takes about 400
-//! bytes while the tree is built, and less after: `cargo bench -p umbrage_bench --bench truth`.
+//! bytes while the tree is built, and less after: `cargo bench -p umbrage_bench --bench truth`. Figures cost
+//! less than the rays: their time is that of a few exact distance transforms (`imageproc`) of pictures twice
+//! as wide and high.
 
 pub mod figures;
 pub mod report;

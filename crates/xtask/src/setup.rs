@@ -1,4 +1,5 @@
-//! Set-up: cargo's tools, and a wgpu adapter, from Mesa's software Vulkan where the machine has none.
+//! Set-up: cargo's tools, a C++ compiler, and a wgpu adapter, from Mesa's software Vulkan where the machine
+//! has none.
 
 use std::process::{Command, Stdio};
 
@@ -8,7 +9,32 @@ use crate::run::{
     behind_spinner, cargo, failure, output_behind_spinner, root, shell_line, umbrage, visibly,
 };
 
-const PACKAGES: [&str; 2] = ["libvulkan1", "mesa-vulkan-drivers"];
+/// What a machine may lack, and what has it.
+struct Missing {
+    /// What there is none of.
+    what: &'static str,
+    /// What is installed instead of asking.
+    name: &'static str,
+    /// Debian's packages of it.
+    packages: &'static [&'static str],
+    /// What to do where there is no apt-get.
+    by_hand: &'static str,
+}
+
+const ADAPTER: Missing = Missing {
+    what: "Vulkan adapter",
+    name: "Mesa's software Vulkan",
+    packages: &["libvulkan1", "mesa-vulkan-drivers"],
+    by_hand: "install a Vulkan driver (Mesa's lavapipe renders without a GPU) and its loader",
+};
+
+/// FLIP, which pictures are compared by, is its authors' C++.
+const COMPILER: Missing = Missing {
+    what: "C++ compiler",
+    name: "g++",
+    packages: &["g++"],
+    by_hand: "install one, and name it in CXX if it is not `c++`",
+};
 
 /// What `cargo xtask test` asks of cargo beyond building.
 const TOOLS: [&str; 2] = ["fmt", "clippy"];
@@ -30,6 +56,7 @@ enum Adapter {
 
 /// Builds the command and sees to it that the machine has an adapter.
 pub(crate) fn set_up_command() -> Result<()> {
+    ensure_compiler(has_compiler)?;
     visibly(&mut cargo(&["build", "--bin", "umbrage"]))?;
     ensure_adapter(|| look(&mut umbrage(&["adapter"])))
 }
@@ -39,6 +66,7 @@ pub(crate) fn set_up_command() -> Result<()> {
 /// Tests ask their dependencies for features that the command alone does not: to build the command by
 /// itself would build most dependencies twice. So a test that runs the command looks for the adapter.
 pub(crate) fn set_up_tests() -> Result<()> {
+    ensure_compiler(has_compiler)?;
     visibly(&mut cargo(&["test", "--no-run"]))?;
     ensure_adapter(|| {
         let args = ["test", "--quiet", "--test", "cli", "--", "--exact"];
@@ -83,29 +111,7 @@ fn ensure_adapter(look: impl Fn() -> Result<Adapter>) -> Result<()> {
         }
         Adapter::None(reason) => eprintln!("{reason}"),
     }
-    let commands = install_commands();
-    let script = commands
-        .iter()
-        .map(shell_line)
-        .collect::<Vec<_>>()
-        .join(" && ");
-    if !has_apt() {
-        bail!(
-            "this machine has no Vulkan adapter, and no apt-get to install one with; install a Vulkan driver \
-             (Mesa's lavapipe renders without a GPU) and its loader, and run this again"
-        );
-    }
-    if !is_root() {
-        bail!(
-            "this machine has no Vulkan adapter, and only root can install Mesa's software Vulkan; run\n    \
-             sudo sh -c '{script}'\nand then this again"
-        );
-    }
-    eprintln!("no adapter found; installing Mesa's software Vulkan: {script}");
-    for mut command in commands {
-        let what = shell_line(&command);
-        behind_spinner(&what, &mut command)?;
-    }
+    ADAPTER.install()?;
     match look()? {
         Adapter::Found(adapter) => eprintln!("adapter: {adapter}"),
         Adapter::None(reason) => {
@@ -113,6 +119,74 @@ fn ensure_adapter(look: impl Fn() -> Result<Adapter>) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Installs a C++ compiler where there is none.
+fn ensure_compiler(there: impl Fn() -> bool) -> Result<()> {
+    if there() {
+        return Ok(());
+    }
+    COMPILER.install()?;
+    if !there() {
+        bail!(
+            "g++ was installed, but `{}` still does not run; name a C++ compiler in CXX",
+            compiler()
+        );
+    }
+    Ok(())
+}
+
+/// What a build compiles C++ by.
+fn compiler() -> String {
+    let named = std::env::var("CXX").unwrap_or_default();
+    // Flags may follow it.
+    named.split_whitespace().next().unwrap_or("c++").to_owned()
+}
+
+/// Whether it runs. On Windows it is not on the path, but comes with the linker that cargo needs.
+fn has_compiler() -> bool {
+    cfg!(windows) || runs(&compiler(), &["--version"])
+}
+
+impl Missing {
+    /// Installs it by apt-get, or says why not and what to do.
+    fn install(&self) -> Result<()> {
+        let Self { what, name, .. } = self;
+        let commands = self.commands();
+        let lines: Vec<_> = commands.iter().map(shell_line).collect();
+        let script = lines.join(" && ");
+        if !has_apt() {
+            bail!(
+                "this machine has no {what}, and no apt-get to install one with; {}, and run this again",
+                self.by_hand
+            );
+        }
+        if !is_root() {
+            bail!(
+                "this machine has no {what}, and only root can install {name}; run\n    \
+                 sudo sh -c '{script}'\nand then this again"
+            );
+        }
+        eprintln!("no {what} found; installing {name}: {script}");
+        for mut command in commands {
+            let line = shell_line(&command);
+            behind_spinner(&line, &mut command)?;
+        }
+        Ok(())
+    }
+
+    fn commands(&self) -> [Command; 2] {
+        let apt = |args: &[&str]| {
+            let mut command = Command::new("apt-get");
+            // Nothing may wait for an answer; another apt at work is waited for.
+            command.args(["-o", "DPkg::Lock::Timeout=120"]).args(args);
+            command.env("DEBIAN_FRONTEND", "noninteractive");
+            command
+        };
+        let mut install = apt(&["install", "--yes", "--no-install-recommends"]);
+        install.args(self.packages);
+        [apt(&["update"]), install]
+    }
 }
 
 /// Sees to it that cargo can format and lint: some installations of Rust come without.
@@ -149,19 +223,6 @@ fn ensure_tools(
 fn has_tool(tool: &str) -> bool {
     let mut version = cargo(&[tool, "--version"]);
     succeeds(&mut version)
-}
-
-fn install_commands() -> Vec<Command> {
-    let apt = |args: &[&str]| {
-        let mut command = Command::new("apt-get");
-        // Nothing may wait for an answer; another apt at work is waited for.
-        command.args(["-o", "DPkg::Lock::Timeout=120"]).args(args);
-        command.env("DEBIAN_FRONTEND", "noninteractive");
-        command
-    };
-    let mut install = apt(&["install", "--yes", "--no-install-recommends"]);
-    install.args(PACKAGES);
-    vec![apt(&["update"]), install]
 }
 
 fn has_apt() -> bool {
@@ -262,15 +323,28 @@ mod tests {
     }
 
     #[test]
+    fn a_compiler_that_is_there_is_not_installed() {
+        let asked = Cell::new(0);
+        ensure_compiler(|| {
+            asked.set(asked.get() + 1);
+            true
+        })
+        .expect("nothing to do");
+        assert_eq!(asked.get(), 1);
+        // This was built with one.
+        assert!(has_compiler());
+    }
+
+    #[test]
     fn the_commands_ask_nothing() {
-        let lines: Vec<_> = install_commands().iter().map(shell_line).collect();
-        assert_eq!(
-            lines,
-            [
-                "DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=120 update",
-                "DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=120 install --yes \
-                 --no-install-recommends libvulkan1 mesa-vulkan-drivers",
-            ]
-        );
+        for (missing, packages) in [
+            (ADAPTER, "libvulkan1 mesa-vulkan-drivers"),
+            (COMPILER, "g++"),
+        ] {
+            let lines = missing.commands().each_ref().map(shell_line);
+            let apt = "DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=120";
+            let install = format!("{apt} install --yes --no-install-recommends {packages}");
+            assert_eq!(lines, [format!("{apt} update"), install]);
+        }
     }
 }
