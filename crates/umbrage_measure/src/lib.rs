@@ -110,7 +110,7 @@
 //! let light = &scene.lights[0].light;
 //! let sample = Sample { light, truth: &truth, gaps: &gaps, rendered: &rendered, plan: None };
 //! let found = figures(&scene, &sight, &raster, &[sample])?;
-//! assert!(found.false_lit > 0.1 && found.false_shadow == 0.0);
+//! assert!(found.false_lit > 0.0 && found.false_shadow == 0.0);
 //! assert_eq!(found.edge_p50, Some(64_f64.hypot(36.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -185,7 +185,7 @@ fn what_comes_into_view_does_not_flip() {
     ];
     let scenes: Vec<_> = (0..FRAMES)
         .map(|frame| {
-            let eye = DVec3::new(0.05 * frame as f64, 9.0, 0.2);
+            let eye = DVec3::new(0.6 * frame as f64, 9.0, 0.2);
             let camera = HERE.camera(eye, eye.with_y(0.0), DVec3::NEG_Z);
             scene(objects.clone(), DOWN, camera)
         })
