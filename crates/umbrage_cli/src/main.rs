@@ -1,18 +1,29 @@
 //! The `umbrage` command.
 //!
 //! Results go to standard output, and with `--json` nothing else does; all that is said to a person goes
-//! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input.
+//! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input, 130
+//! interrupted.
 
 mod adapter;
 mod args;
 mod cause;
 mod check;
+mod folder;
+mod interrupt;
 mod link;
 mod list;
 mod output;
 mod permutations;
 mod prebuild;
 mod render;
+#[cfg_attr(
+    not(test),
+    expect(
+        dead_code,
+        reason = "`umbrage compare` is to write its report through it"
+    )
+)]
+mod report;
 mod targets;
 mod truth;
 
@@ -23,7 +34,20 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let done = interrupt::install().and_then(|()| run());
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {}", format!("{error:#}").trim_end());
+        // What an interrupt broke off is no fault of the input.
+        ExitCode::from(if interrupt::asked() {
+            interrupt::STATUS
+        } else {
+            2
+        })
+    })
+}
+
+fn run() -> anyhow::Result<ExitCode> {
+    match Arguments::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Truth(args) => truth::truth(&args),
         Command::Check(args) => check::check(&args),
@@ -31,9 +55,5 @@ fn main() -> ExitCode {
         Command::Prebuild(args) => prebuild::prebuild(&args),
         Command::Link(args) => link::link(&args),
         Command::Adapter => adapter::adapter(),
-    };
-    done.unwrap_or_else(|error| {
-        eprintln!("error: {}", format!("{error:#}").trim_end());
-        ExitCode::from(2)
-    })
+    }
 }
