@@ -1,7 +1,8 @@
 //! The `umbrage` command.
 //!
 //! Results go to standard output, and with `--json` nothing else does; all that is said to a person goes
-//! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input.
+//! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input, 130
+//! interrupted.
 
 mod adapter;
 mod args;
@@ -9,6 +10,8 @@ mod cause;
 mod check;
 mod compare;
 mod cost;
+mod folder;
+mod interrupt;
 mod link;
 mod list;
 mod output;
@@ -27,9 +30,22 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
-    // What `cost` starts for itself: no arguments, and nothing on standard output.
+    // What `compare` and `cost` start for themselves: no arguments, and nothing on standard output.
     umbrage_isa::serve_if_asked();
-    let done = match Arguments::parse().command {
+    let done = interrupt::install().and_then(|()| run());
+    done.unwrap_or_else(|error| {
+        eprintln!("error: {}", format!("{error:#}").trim_end());
+        // What an interrupt broke off is no fault of the input.
+        ExitCode::from(if interrupt::asked() {
+            interrupt::STATUS
+        } else {
+            2
+        })
+    })
+}
+
+fn run() -> anyhow::Result<ExitCode> {
+    match Arguments::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Truth(args) => truth::truth(&args),
         Command::Compare(args) => compare::compare(&args),
@@ -40,9 +56,5 @@ fn main() -> ExitCode {
         Command::Cost(args) => cost::cost(&args),
         Command::Link(args) => link::link(&args),
         Command::Adapter => adapter::adapter(),
-    };
-    done.unwrap_or_else(|error| {
-        eprintln!("error: {}", format!("{error:#}").trim_end());
-        ExitCode::from(2)
-    })
+    }
 }

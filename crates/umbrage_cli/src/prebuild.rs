@@ -1,14 +1,19 @@
 //! `umbrage prebuild`: every permutation of the manifests, as files.
 
-use std::{collections::BTreeMap, fs, io, path::Path, process::ExitCode};
+use std::{collections::BTreeMap, fs, path::Path, process::ExitCode};
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tempfile::TempDir;
 use umbrage::compose::{Composer, Key, Manifest};
 
-use crate::{args::PrebuildArgs, output::progress, permutations::Permutations, targets::target};
+use crate::{
+    args::PrebuildArgs,
+    folder::{Kind, store},
+    output::progress,
+    permutations::Permutations,
+    targets::target,
+};
 
 /// What a folder that prebuild wrote is known by.
 const INDEX: &str = "index.json";
@@ -21,6 +26,11 @@ const STEM: usize = 32;
 
 /// What a permutation's files end in.
 const EXTENSIONS: [&str; 3] = ["wgsl", "spv", "json"];
+
+const PREBUILD: Kind = Kind {
+    name: "prebuild",
+    check: written_by_prebuild,
+};
 
 /// `index.json`: from each key to its permutation's files.
 #[derive(Deserialize, Serialize)]
@@ -50,7 +60,7 @@ struct Built {
 }
 
 pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
-    check_replaceable(&args.out)?;
+    PREBUILD.check_replaceable(&args.out)?;
     let mut keys: BTreeMap<String, Files> = BTreeMap::new();
     let mut permutations: BTreeMap<String, Built> = BTreeMap::new();
     for path in &args.manifests {
@@ -77,20 +87,13 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
         );
     }
     let count = permutations.len();
-    write_folder(
-        &args.out,
-        &Index {
-            format: FORMAT.to_owned(),
-            permutations: count,
-            keys,
-        },
-        permutations.values(),
-    )
-    .with_context(|| {
-        format!(
-            "the folder {} could not be written; choose one where new folders can be made",
-            args.out.display()
-        )
+    let index = Index {
+        format: FORMAT.to_owned(),
+        permutations: count,
+        keys,
+    };
+    PREBUILD.replace(&args.out, |folder| {
+        write_files(folder, &index, permutations.values())
     })?;
     eprintln!("{count} permutations are in {}", args.out.display());
     Ok(ExitCode::SUCCESS)
@@ -151,31 +154,10 @@ impl Built {
     }
 }
 
-/// Refuses to replace a folder unless all that it holds is prebuild's own.
-fn check_replaceable(out: &Path) -> Result<()> {
-    let entries = match fs::read_dir(out) {
-        Ok(entries) => entries.collect::<io::Result<Vec<_>>>(),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        Err(error) => Err(error),
-    };
-    let entries =
-        entries.with_context(|| format!("{} cannot be used as a folder", out.display()))?;
-    if entries.is_empty() {
-        return Ok(());
-    }
-    if let Err(reason) = written_by_prebuild(out, &entries) {
-        bail!(
-            "the folder {} holds what is no prebuild: {reason:#}; nothing in it was touched. Name a new or \
-             empty folder with --out, or move away what is not prebuild's",
-            out.display()
-        );
-    }
-    Ok(())
-}
-
-/// An error that says which of `entries` prebuild did not write, or that there is no index of its own.
-fn written_by_prebuild(out: &Path, entries: &[fs::DirEntry]) -> Result<()> {
-    for entry in entries {
+/// An error that says which file in `out` prebuild did not write, or that there is no index of its own.
+fn written_by_prebuild(out: &Path) -> Result<()> {
+    for entry in fs::read_dir(out)? {
+        let entry = entry?;
         let name = entry.file_name();
         let ours = name.to_str().is_some_and(|name| {
             name == INDEX
@@ -201,127 +183,19 @@ fn is_stem(stem: &str) -> bool {
     stem.len() == STEM && stem.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Writes all files beside `out` and then puts them in its place: a half-written folder is never seen.
-fn write_folder<'a>(
-    out: &Path,
+/// Writes all files into `folder`.
+fn write_files<'a>(
+    folder: &Path,
     index: &Index,
     permutations: impl Iterator<Item = &'a Built>,
 ) -> Result<()> {
-    let out = std::path::absolute(out)?;
-    let parent = out.parent().context("it has no parent folder")?;
-    fs::create_dir_all(parent)
-        .with_context(|| format!("its parent {} could not be made", parent.display()))?;
-    let fresh = sibling(parent)?;
     for built in permutations {
         let files = built.files();
-        fs::write(fresh.path().join(files.wgsl), &built.wgsl)?;
-        fs::write(fresh.path().join(files.spv), &built.spv)?;
-        fs::write(fresh.path().join(files.reflection), &built.reflection)?;
+        store(folder, &files.wgsl, &built.wgsl)?;
+        store(folder, &files.spv, &built.spv)?;
+        store(folder, &files.reflection, &built.reflection)?;
     }
     let mut text = serde_json::to_string_pretty(index)?;
     text.push('\n');
-    fs::write(fresh.path().join(INDEX), text)?;
-
-    // Composing takes a while, in which someone may have put a file there.
-    check_replaceable(&out)?;
-    put_in_place(fresh.path(), &out, sibling(parent)?, |from, to| {
-        fs::rename(from, to)
-    })
-}
-
-/// Renames `fresh` to `out`. An old `out` steps into `aside` first, as a rename does not replace a folder
-/// with files; it is removed only when the new one stands.
-fn put_in_place(
-    fresh: &Path,
-    out: &Path,
-    aside: TempDir,
-    rename: impl Fn(&Path, &Path) -> io::Result<()>,
-) -> Result<()> {
-    let old = aside.path().join("old");
-    let had_old = out.exists();
-    if had_old {
-        rename(out, &old)?;
-    }
-    let Err(error) = rename(fresh, out) else {
-        return Ok(());
-    };
-    if had_old && let Err(restoring) = rename(&old, out) {
-        let kept = aside.keep().join("old");
-        return Err(error).with_context(|| {
-            format!(
-                "the earlier prebuild could not be put back either ({restoring}): it is in {}; move it back \
-                 by hand",
-                kept.display()
-            )
-        });
-    }
-    Err(error.into())
-}
-
-/// A folder of a passing name in `parent`, open to whom the process's umask allows.
-fn sibling(parent: &Path) -> io::Result<TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".prebuild-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o777));
-    }
-    builder.tempdir_in(parent)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An old prebuild and a new one, and renames of which those that `fails` names do nothing.
-    fn replaced(fails: fn(&Path, &Path) -> bool) -> (TempDir, Result<()>) {
-        let folder = TempDir::new().expect("a folder");
-        let (fresh, out) = (folder.path().join("fresh"), folder.path().join("out"));
-        for (path, text) in [(&fresh, "new"), (&out, "old")] {
-            fs::create_dir(path).expect("a folder");
-            fs::write(path.join("file"), text).expect("a file");
-        }
-        let aside = sibling(folder.path()).expect("a folder");
-        let done = put_in_place(&fresh, &out, aside, |from, to| {
-            if fails(from, to) {
-                return Err(io::Error::other("no"));
-            }
-            fs::rename(from, to)
-        });
-        (folder, done)
-    }
-
-    fn text(folder: &TempDir) -> Option<String> {
-        fs::read_to_string(folder.path().join("out/file")).ok()
-    }
-
-    #[test]
-    fn the_new_folder_takes_the_place_of_the_old() {
-        let (folder, done) = replaced(|_, _| false);
-        assert!(done.is_ok());
-        assert_eq!(text(&folder).as_deref(), Some("new"));
-        assert_eq!(fs::read_dir(folder.path()).expect("listed").count(), 1);
-    }
-
-    #[test]
-    fn the_old_folder_is_put_back() {
-        let (folder, done) = replaced(|from, _| from.ends_with("fresh"));
-        assert!(done.is_err());
-        assert_eq!(text(&folder).as_deref(), Some("old"));
-    }
-
-    #[test]
-    fn what_cannot_be_put_back_is_kept_and_told() {
-        let (folder, done) = replaced(|_, to| to.ends_with("out"));
-        let said = format!("{:#}", done.expect_err("no rename"));
-        assert_eq!(text(&folder), None);
-        let kept = fs::read_dir(folder.path())
-            .expect("listed")
-            .map(|entry| entry.expect("an entry").path().join("old"))
-            .find(|path| path.is_dir())
-            .expect("the old folder is kept");
-        assert!(said.contains(&kept.display().to_string()), "{said}");
-        assert_eq!(fs::read_to_string(kept.join("file")).expect("read"), "old");
-    }
+    store(folder, INDEX, text)
 }

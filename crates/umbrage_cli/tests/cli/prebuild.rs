@@ -1,9 +1,16 @@
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    thread,
+    time::Instant,
+};
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::{faulty_package, path_in, refusal, stderr, stdout, umbrage, write};
+use super::{faulty_package, path_in, refusal, root, stderr, stdout, umbrage, write};
 
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).expect("a folder");
@@ -183,4 +190,73 @@ fn a_folder_that_cannot_be_written() {
         let said = refusal(&["prebuild", &path_in(&folder, "good.ron"), "--out", &out]);
         assert!(said.contains(&out), "{said}");
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_earlier_prebuild() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "out");
+    prebuild(&["permutations/demo.ron"], &out);
+    let before = contents(Path::new(&out));
+    // Files of at most 512 bytes: the same write fails as on a full disk. The signal that comes with the
+    // limit would end the process; a full disk sends none.
+    let output = Command::new("sh")
+        .args(["-c", r#"trap "" XFSZ; ulimit -f 1; exec "$0" "$@""#])
+        .args([env!("CARGO_BIN_EXE_umbrage"), "prebuild"])
+        .args(["permutations/demo.ron", "--out", &out])
+        .current_dir(root())
+        .output()
+        .expect("a shell");
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains(&out) && said.contains(".wgsl could not be written"),
+        "{said}"
+    );
+    assert!(before == contents(Path::new(&out)), "the files changed");
+    assert_eq!(contents_of(&folder), ["out"]);
+}
+
+/// Whenever it comes, before, while or after the files are written.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_a_whole_prebuild_or_none() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "out");
+    let begun = Instant::now();
+    prebuild(&["permutations/demo.ron"], &out);
+    let whole_run = begun.elapsed();
+    let whole = contents(Path::new(&out));
+    let mut interrupted = 0;
+    for turn in 0..12 {
+        fs::remove_dir_all(&out).ok();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_umbrage"))
+            .args(["prebuild", "permutations/demo.ron", "--out", &out])
+            .current_dir(root())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command starts");
+        thread::sleep(whole_run * turn / 10);
+        Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .stderr(Stdio::null())
+            .status()
+            .expect("kill");
+        let status = child.wait().expect("an end");
+        // Before the command waits for it, the signal ends the process as it does any other.
+        match status.code() {
+            Some(0) => assert!(whole == contents(Path::new(&out)), "turn {turn}"),
+            Some(130) | None => {
+                interrupted += 1;
+                if Path::new(&out).exists() {
+                    assert!(whole == contents(Path::new(&out)), "turn {turn}");
+                }
+            }
+            other => panic!("turn {turn}: status {other:?}"),
+        }
+        let left = contents_of(&folder);
+        assert!(left.is_empty() || left == ["out"], "turn {turn}: {left:?}");
+    }
+    assert!(interrupted > 0, "no turn was interrupted");
 }

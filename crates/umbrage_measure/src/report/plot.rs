@@ -65,6 +65,9 @@ struct Point<'a> {
     on_front: bool,
 }
 
+/// Of a line in the picture.
+type Corners = Vec<(f64, f64)>;
+
 /// The plot of one scene's rows; none where no row has both figures.
 pub(super) fn plot(
     scene: &str,
@@ -82,17 +85,18 @@ pub(super) fn plot(
     }
     let missing = rows.len() - measured.len();
     let mut axes = String::new();
-    let points = draw_axes(&mut axes, &measured, cost).map_err(|error| ReportError::Plot {
-        scene: scene.to_owned(),
-        reason: error.to_string(),
-    })?;
+    let (points, front) =
+        draw_axes(&mut axes, &measured, cost).map_err(|error| ReportError::Plot {
+            scene: scene.to_owned(),
+            reason: error.to_string(),
+        })?;
     let view = format!("0 0 {} {}", SIZE.0, SIZE.1);
     let title = format!("{scene}: error against {}", cost.name);
     Ok(Some(html! {
         svg.plot viewBox=(view) role="img" aria-label=(title) {
             // The axes are plotters' own element; names are not in it.
             (PreEscaped(axes))
-            (overlay(&points, names, cost))
+            (overlay(&points, &front, names, cost))
         }
         @if missing > 0 {
             p.note { (missing) " of the configurations have no " (cost.name) " or no error, and no point." }
@@ -100,12 +104,12 @@ pub(super) fn plot(
     }))
 }
 
-/// Draws the axes and the front, and says where the points are.
+/// Draws the axes and the front, and says where the points and the front's corners are.
 fn draw_axes<'a>(
     svg: &mut String,
     rows: &[&'a Row],
     cost: Cost,
-) -> Result<Vec<Point<'a>>, Box<dyn std::error::Error>> {
+) -> Result<(Vec<Point<'a>>, Corners), Box<dyn std::error::Error>> {
     let pairs = points(rows, cost.of);
     let costs: Vec<f64> = pairs.iter().map(|pair| pair.0).collect();
     let x_scale = (cost.scale)(&costs);
@@ -135,19 +139,22 @@ fn draw_axes<'a>(
         .y_desc(format!("error: false lit + false shadow{}", log(y_scale)))
         .draw()?;
     let steps = ladder(rows, cost.of);
-    chart.draw_series(LineSeries::new(
-        staircase(&steps, cost, &x_scale, &y_scale),
-        FRONT.stroke_width(2),
-    ))?;
+    let line = staircase(&steps, cost, &x_scale, &y_scale);
+    chart.draw_series(LineSeries::new(line.iter().copied(), FRONT.stroke_width(2)))?;
+    let place = |pair: &(f64, f64)| {
+        let (x, y) = chart.backend_coord(pair);
+        (f64::from(x), f64::from(y))
+    };
+    let front = line.iter().map(place).collect();
     let placed = rows
         .iter()
         .zip(pairs)
         .map(|(row, pair)| {
-            let (x, y) = chart.backend_coord(&pair);
+            let (x, y) = place(&pair);
             Point {
                 row,
-                x: f64::from(x),
-                y: f64::from(y),
+                x,
+                y,
                 on_front: steps.iter().any(|step| std::ptr::eq(*step, *row)),
             }
         })
@@ -155,12 +162,12 @@ fn draw_axes<'a>(
     root.present()?;
     drop(chart);
     drop(root);
-    Ok(placed)
+    Ok((placed, front))
 }
 
 /// The front as a line: from the top down to the cheapest, then by steps to the end of the axis. What lies
 /// above and to the right of it is beaten.
-fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Vec<(f64, f64)> {
+fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Corners {
     use plotters::coord::ranged1d::Ranged;
 
     let mut line = Vec::new();
@@ -177,7 +184,7 @@ fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Ve
     line
 }
 
-fn overlay(points: &[Point<'_>], names: &Names, cost: Cost) -> Markup {
+fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost) -> Markup {
     let mut order: Vec<&Point<'_>> = points.iter().collect();
     // What is drawn last lies on top, and what is labelled first has the choice of places.
     order.sort_by_key(|point| point.on_front);
@@ -199,7 +206,7 @@ fn overlay(points: &[Point<'_>], names: &Names, cost: Cost) -> Markup {
                 (shape(names.shape(&point.row.method), point))
             }
         }
-        @for label in place_labels(&marks, (f64::from(SIZE.0), f64::from(SIZE.1))) {
+        @for label in place_labels(&marks, front, (f64::from(SIZE.0), f64::from(SIZE.1))) {
             @if let Some((x, y)) = label.leader {
                 line.leader x1=(coord(label.mark.x)) y1=(coord(label.mark.y)) x2=(coord(x)) y2=(coord(y)) {}
             }

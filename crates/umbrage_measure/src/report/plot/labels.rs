@@ -61,10 +61,27 @@ impl Rect {
 }
 
 /// Places for the names of `marks`, the earlier ones first served. A name that finds none is left out.
-pub(super) fn place_labels(marks: &[Mark], size: (f64, f64)) -> Vec<Label<'_>> {
+/// Names keep off the `front`, a line through these corners, where they can.
+pub(super) fn place_labels<'a>(
+    marks: &'a [Mark],
+    front: &[(f64, f64)],
+    size: (f64, f64),
+) -> Vec<Label<'a>> {
     let points: Vec<Rect> = marks
         .iter()
         .map(|mark| Rect::around(mark.x, mark.y, POINT))
+        .collect();
+    let front: Vec<Rect> = front
+        .windows(2)
+        .filter_map(|ends| match ends {
+            [(x0, y0), (x1, y1)] => Some(Rect {
+                left: x0.min(*x1) - 1.0,
+                top: y0.min(*y1) - 1.0,
+                right: x0.max(*x1) + 1.0,
+                bottom: y0.max(*y1) + 1.0,
+            }),
+            _ => None,
+        })
         .collect();
     // Left of the axis and below it stand the ticks.
     let plot = Rect {
@@ -90,11 +107,16 @@ pub(super) fn place_labels(marks: &[Mark], size: (f64, f64)) -> Vec<Label<'_>> {
                 && rect.bottom <= plot.bottom
                 && !taken.iter().chain(&points).any(|other| rect.meets(other))
         };
-        let found = reach
+        let places: Vec<(f64, Rect)> = reach
             .iter()
             .flat_map(|distance| around(mark, width, *distance).map(|rect| (*distance, rect)))
-            .find(|(_, rect)| free(rect));
-        let Some((distance, rect)) = found else {
+            .filter(|(_, rect)| free(rect))
+            .collect();
+        let found = places
+            .iter()
+            .find(|(_, rect)| !front.iter().any(|line| rect.meets(line)))
+            .or(places.first());
+        let Some(&(distance, rect)) = found else {
             continue;
         };
         taken.push(rect);
@@ -179,7 +201,7 @@ mod tests {
                 .into_iter()
                 .map(|(x, y, on_front, text)| Mark { x, y, on_front, text })
                 .collect();
-            let labels = place_labels(&marks, (600.0, 400.0));
+            let labels = place_labels(&marks, &[], (600.0, 400.0));
             for (index, label) in labels.iter().enumerate() {
                 let own = rect(label);
                 prop_assert!(own.left >= 76.0 && own.right <= 600.0 && own.bottom <= 340.1);
@@ -205,9 +227,28 @@ mod tests {
             on_front: false,
             text: "1024 pcf3".to_owned(),
         }];
-        let labels = place_labels(&mark, (600.0, 400.0));
+        let labels = place_labels(&mark, &[], (600.0, 400.0));
         assert_eq!(labels.len(), 1);
         assert!(labels[0].leader.is_none());
+    }
+
+    #[test]
+    fn a_name_keeps_off_the_front() {
+        let mark = [Mark {
+            x: 300.0,
+            y: 200.0,
+            on_front: true,
+            text: "1024 pcf3".to_owned(),
+        }];
+        // The step of a neighbour passes below and to the left, where the name would stand.
+        let front = [(270.0, 100.0), (270.0, 214.0), (500.0, 214.0)];
+        let crosses = |front: &[(f64, f64)]| {
+            let labels = place_labels(&mark, front, (600.0, 400.0));
+            let own = rect(&labels[0]);
+            own.left < 270.0 && own.right > 270.0 || own.top < 214.0 && own.bottom > 214.0
+        };
+        assert!(crosses(&[]));
+        assert!(!crosses(&front));
     }
 
     #[test]
