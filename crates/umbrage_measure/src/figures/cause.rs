@@ -16,6 +16,8 @@ pub(super) struct Case<'a> {
     pub(super) truth: &'a [Side],
     pub(super) rendered: &'a [Side],
     pub(super) gaps: &'a [Option<f64>],
+    /// Lit in truth, and turned away from the light.
+    pub(super) turned_away: &'a [bool],
     pub(super) texels: &'a [Option<Texel>],
     pub(super) true_edges: &'a Edges,
     pub(super) plan: Option<&'a ShadowPlan>,
@@ -25,6 +27,7 @@ pub(super) struct Case<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     Acne,
+    TurnedAway,
     Detachment,
     Leak,
     BeyondRange,
@@ -50,6 +53,8 @@ impl Case<'_> {
             Cause::BeyondRange
         } else if is_lit && self.is_at_contact(pixel) {
             Cause::Detachment
+        } else if !is_lit && self.turned_away[pixel] {
+            Cause::TurnedAway
         } else if self.is_at_edge(pixel) {
             Cause::Edge
         } else if is_lit {

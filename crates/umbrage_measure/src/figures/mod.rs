@@ -95,9 +95,13 @@ pub struct Figures {
     pub false_lit: f64,
     /// Share that is in shadow but should not be.
     pub false_shadow: f64,
-    /// False shadow far from a true edge: the receiver shades itself. `acne`, `detachment`, `leak`,
-    /// `beyond_range` and `edge` are shares too, and add up to `false_lit` and `false_shadow`.
+    /// False shadow far from a true edge: the receiver shades itself. `acne`, `turned_away`, `detachment`,
+    /// `leak`, `beyond_range` and `edge` are shares too, and add up to `false_lit` and `false_shadow`.
     pub acne: f64,
+    /// False shadow on the side of a thin thing that is turned away from the light. Nothing but the thing
+    /// itself is in the light's way, which does not count, but it gets no light there either: such a
+    /// side can be wrong without being seen to be, and it has no edges.
+    pub turned_away: f64,
     /// False light where the nearest thing in the light's way is within the bias's and the filter's
     /// reach of the receiver, R + 2 texels' widths stretched by the receiver's slope (20 times at most),
     /// where R is the plan's filter radius; and what goes on from there without a break, as wide as the
@@ -194,11 +198,12 @@ impl Pool {
         let seen = texels.iter().zip(&truth).filter(|(_, t)| t.is_some());
         self.aliases
             .extend(seen.filter_map(|(texel, _)| texel.as_ref()?.alias));
-        self.add_edges_and_causes(surface, sample, &truth, &texels);
+        self.add_edges_and_causes(scene, surface, sample, &truth, &texels);
     }
 
     fn add_edges_and_causes(
         &mut self,
+        scene: &Scene,
         surface: &Surface,
         sample: &Sample<'_>,
         truth: &[Option<f32>],
@@ -208,10 +213,16 @@ impl Pool {
         let pairs = truth.iter().zip(sample.rendered);
         let sides = pairs.map(|(truth, rendered)| truth.and_then(|_| side(*rendered)));
         let sides: Vec<Side> = sides.collect();
-        let (true_edges, edges) = rayon::join(
-            || Edges::new(surface, &true_sides),
-            || Edges::new(surface, &sides),
-        );
+        let mut turned_away = surface.turned_away(scene, sample.light);
+        // What shades its own far side is a body: there the term matters, to smooth normals.
+        let lit = |side: &Side| *side == Some(std::cmp::Ordering::Greater);
+        (turned_away.iter_mut().zip(&true_sides)).for_each(|(away, side)| *away &= lit(side));
+        let edges = |sides: &[Side]| {
+            let seen = sides.iter().zip(&turned_away);
+            let seen: Vec<_> = seen.map(|(side, away)| side.filter(|_| !away)).collect();
+            Edges::new(surface, &seen)
+        };
+        let (true_edges, edges) = rayon::join(|| edges(&true_sides), || edges(&sides));
         let diagonal = (surface.width as f64).hypot(surface.height as f64);
         self.distances
             .extend(true_edges.distances(&edges, diagonal));
@@ -222,6 +233,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
+            turned_away: &turned_away,
             texels,
             true_edges: &true_edges,
             plan: sample.plan,
@@ -236,6 +248,7 @@ impl Pool {
         let share = match cause {
             None => return,
             Some(Cause::Acne) => &mut counts.acne,
+            Some(Cause::TurnedAway) => &mut counts.turned_away,
             Some(Cause::Detachment) => &mut counts.detachment,
             Some(Cause::Leak) => &mut counts.leak,
             Some(Cause::BeyondRange) => &mut counts.beyond_range,
@@ -259,6 +272,7 @@ impl Pool {
             false_lit: share(self.counts.false_lit),
             false_shadow: share(self.counts.false_shadow),
             acne: share(self.counts.acne),
+            turned_away: share(self.counts.turned_away),
             detachment: share(self.counts.detachment),
             leak: share(self.counts.leak),
             beyond_range: share(self.counts.beyond_range),

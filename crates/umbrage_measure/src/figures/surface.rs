@@ -4,8 +4,10 @@ use glam::{DMat2, DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 use umbrage_render::Scene;
 
+use umbrage_shadow::Light;
+
 use super::FigureError;
-use crate::truth::{Seen, Sight};
+use crate::truth::{Seen, Sight, lamp::Lamp};
 
 /// What each pixel sees, with the triangle's plane.
 pub(super) struct Surface {
@@ -59,6 +61,16 @@ impl Surface {
             forward: view.forward(),
             picture,
         })
+    }
+
+    /// Whether the light, were it to arrive, would come from behind the side that is seen.
+    pub(super) fn turned_away(&self, scene: &Scene, light: &Light) -> Vec<bool> {
+        let lamp = Lamp::new(&light.kind, scene.camera.position);
+        let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).0) < 0.0;
+        let facets = self.facets.iter();
+        facets
+            .map(|facet| facet.as_ref().is_some_and(away))
+            .collect()
     }
 
     /// A pixel's column and row.
