@@ -16,7 +16,7 @@ pub(super) struct Case<'a> {
     pub(super) truth: &'a [Side],
     pub(super) rendered: &'a [Side],
     pub(super) gaps: &'a [Option<f64>],
-    /// Lit in truth, and turned away from the light.
+    /// Whether the light would come from behind.
     pub(super) turned_away: &'a [bool],
     pub(super) texels: &'a [Option<Texel>],
     pub(super) true_edges: &'a Edges,

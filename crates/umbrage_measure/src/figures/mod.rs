@@ -100,7 +100,7 @@ pub struct Figures {
     pub acne: f64,
     /// False shadow on the side of a thin thing that is turned away from the light. Nothing but the thing
     /// itself is in the light's way, which does not count, but it gets no light there either: such a
-    /// side can be wrong without being seen to be, and it has no edges.
+    /// side can be wrong without being seen to be.
     pub turned_away: f64,
     /// False light where the nearest thing in the light's way is within the bias's and the filter's
     /// reach of the receiver, R + 2 texels' widths stretched by the receiver's slope (20 times at most),
@@ -213,16 +213,10 @@ impl Pool {
         let pairs = truth.iter().zip(sample.rendered);
         let sides = pairs.map(|(truth, rendered)| truth.and_then(|_| side(*rendered)));
         let sides: Vec<Side> = sides.collect();
-        let mut turned_away = surface.turned_away(scene, sample.light);
-        // What shades its own far side is a body: there the term matters, to smooth normals.
-        let lit = |side: &Side| *side == Some(std::cmp::Ordering::Greater);
-        (turned_away.iter_mut().zip(&true_sides)).for_each(|(away, side)| *away &= lit(side));
-        let edges = |sides: &[Side]| {
-            let seen = sides.iter().zip(&turned_away);
-            let seen: Vec<_> = seen.map(|(side, away)| side.filter(|_| !away)).collect();
-            Edges::new(surface, &seen)
-        };
-        let (true_edges, edges) = rayon::join(|| edges(&true_sides), || edges(&sides));
+        let (true_edges, edges) = rayon::join(
+            || Edges::new(surface, &true_sides),
+            || Edges::new(surface, &sides),
+        );
         let diagonal = (surface.width as f64).hypot(surface.height as f64);
         self.distances
             .extend(true_edges.distances(&edges, diagonal));
@@ -233,7 +227,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
-            turned_away: &turned_away,
+            turned_away: &surface.turned_away(scene, sample.light),
             texels,
             true_edges: &true_edges,
             plan: sample.plan,

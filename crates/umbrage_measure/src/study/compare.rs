@@ -89,10 +89,16 @@ pub fn compare(
         warnings: Vec::new(),
     };
     for (name, scene) in scenes {
+        let mut scene = scene.clone();
+        // What the scene chooses for a method is not what the configuration is called.
+        scene
+            .lights
+            .iter_mut()
+            .for_each(|light| light.shadow = None);
         let mut run = Run {
             lab,
             name,
-            scene,
+            scene: &scene,
             options,
             compiler: compiler.as_mut().ok(),
             progress,
