@@ -46,14 +46,19 @@ impl Measured {
             unreachable!("a shadow term was asked for")
         };
         let mut plans = rendered.report.plans;
+        let options = RenderOptions {
+            what: What::Triangles,
+            ..options
+        };
+        let seen = renderer.render(&scene, &options).expect("renders");
+        let Picture::Triangles(raster) = seen.picture else {
+            unreachable!("triangles were asked for")
+        };
         let tracer = Tracer::new(&scene).expect("a sound scene");
         let sight = tracer.look(width, height, &|| ()).expect("a size");
         let truth = tracer.shadow(&sight, 0, Source::Sharp, &|| ());
-        let seen = sight.seen().iter();
         Self {
-            raster: seen
-                .map(|seen| seen.map(|seen| (seen.object, seen.triangle)))
-                .collect(),
+            raster,
             truth: truth.expect("a light"),
             gaps: tracer.gaps(&sight, 0, &|| ()).expect("a light"),
             rendered: terms.swap_remove(0),
@@ -102,7 +107,7 @@ fn example(name: &str, axes: &[(&str, &str)], settings: &[(&str, f64)]) -> Scene
 }
 
 /// The shadow of a ball that is not in the picture, and so high above the ground that no bias reaches it.
-fn ball_in_the_sun(resolution: u32) -> Scene {
+fn ball_in_the_sun(resolution: u32, pcf: &str) -> Scene {
     let dir = tempfile::TempDir::new().expect("a folder");
     let path = dir.path().join("scene.ron");
     let text = format!(
@@ -110,7 +115,7 @@ fn ball_in_the_sun(resolution: u32) -> Scene {
         camera: (position: (2.5, 1.8, 3.2), target: (1.2, 0, 0.8), fov_degrees: 45),
         lights: [(
             kind: directional(direction: (0.4, -1, 0.27)),
-            shadow: (method: "basic", axes: {{"pcf": "3"}}, settings: {{"resolution": {resolution}}}),
+            shadow: (method: "basic", axes: {{"pcf": "{pcf}"}}, settings: {{"resolution": {resolution}}}),
         )],
         models: [
             (shape: plane(size: (6, 6))),
@@ -126,7 +131,7 @@ fn ball_in_the_sun(resolution: u32) -> Scene {
 fn edges_are_displaced_by_half_as_much_with_half_the_texel() {
     let mut renderer = renderer();
     let found = [32, 64, 128, 256].map(|resolution| {
-        let figures = Measured::new(&mut renderer, ball_in_the_sun(resolution)).figures();
+        let figures = Measured::new(&mut renderer, ball_in_the_sun(resolution, "3")).figures();
         println!("{resolution}: {figures:?}");
         assert!(figures.edge > 0.0);
         assert_eq!([figures.acne, figures.leak], [0.0; 2], "{resolution}");
@@ -150,6 +155,30 @@ fn edges_are_displaced_by_half_as_much_with_half_the_texel() {
     }
 }
 
+/// Across an edge, a filter W texels wide makes a ramp of W texels (a little rounder, as each fetch blends). A
+/// ramp of length L is off by an x² that comes to L / 12 from end to end: the mean square grows as the
+/// width, and falls as the resolution rises. An edge that is straight stays in its place; around a disc of
+/// radius r it moves inwards by the filter's variance over 2 r, so that false light grows as W².
+#[test]
+fn error_grows_with_the_filter_and_falls_with_the_texel_as_it_must() {
+    let mut renderer = renderer();
+    let mut measure = |resolution, pcf| {
+        let figures = Measured::new(&mut renderer, ball_in_the_sun(resolution, pcf)).figures();
+        println!("{resolution}, {pcf}: {figures:?}");
+        assert!(figures.edge_p50 <= Some(1.0), "{pcf}: {figures:?}");
+        let wrong = figures.false_lit + figures.false_shadow;
+        (figures.rmse * figures.rmse, wrong)
+    };
+    let near = |found: f64, expected: f64| (0.85..1.15).contains(&(found / expected));
+    let [five, nine, fifteen] = ["5", "9", "15"].map(|pcf| measure(256, pcf));
+    assert!(near(nine.0 / five.0, 9.0 / 5.0), "{nine:?} {five:?}");
+    assert!(near(fifteen.0 / five.0, 15.0 / 5.0), "{fifteen:?} {five:?}");
+    let growth = (fifteen.1 - five.1) / (nine.1 - five.1);
+    assert!(near(growth, (225.0 - 25.0) / (81.0 - 25.0)), "{growth}");
+    let (fine, _) = measure(512, "5");
+    assert!(near(fine / five.0, 0.5), "{fine} {five:?}");
+}
+
 const SCENES: [&str; 3] = ["bunny_sun.ron", "suzanne_spot.ron", "room_point.ron"];
 
 /// As the scenes have it, `basic` errs at edges and at contacts. Without a bias the receivers shade
@@ -171,10 +200,9 @@ fn each_fault_is_put_down_to_its_cause() {
             } = figures;
             let causes = acne + detachment + leak + beyond_range + edge;
             assert!((causes - figures.false_lit - figures.false_shadow).abs() < 1e-12);
-            assert_eq!(
-                (figures.bad_pixels, figures.left_out, beyond_range),
-                (0, 0, 0.0)
-            );
+            assert_eq!((figures.bad_pixels, beyond_range), (0, 0.0));
+            // Where a triangle's edge goes through a pixel's middle, ray and rasteriser may differ.
+            assert!(1000 * figures.left_out < figures.compared, "{name}");
             figures
         };
         let sound = of(&[], &[]);
@@ -209,7 +237,7 @@ fn larger_texels_shimmer_more() {
     let mut of = |resolution: u32| {
         let frames: Vec<_> = (0..4)
             .map(|frame| {
-                let mut scene = ball_in_the_sun(resolution);
+                let mut scene = ball_in_the_sun(resolution, "3");
                 scene.camera.position.x += 0.02 * f64::from(frame);
                 Measured::new(&mut renderer, scene)
             })

@@ -1,39 +1,65 @@
-//! The hard cases through the renderer: whatever else a method gets wrong, no pixel is bad.
+//! Every method in every hard case, against the limits.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use umbrage_compose::{Composer, Library, Target};
-use umbrage_measure::cases;
-use umbrage_render::{Gpu, Picture, Renderer, Scene, What};
+use umbrage_measure::{
+    cases::{self, Limits},
+    study::{Lab, stress},
+};
+use umbrage_render::Gpu;
 
 #[test]
-fn basic_has_no_bad_pixel_in_any_frame_of_any_case() {
+fn every_method_meets_its_limits_and_needs_its_exceptions() {
     let package = umbrage_shader_lib::package().expect("the shader library");
     let library = Library::new([package]).expect("the library");
     let composer = Arc::new(Composer::new(library, Target::default()));
-    let methods = umbrage_methods::registry().expect("names are unique");
-    let basic = Arc::clone(methods.get("basic").expect("the method"));
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("an adapter")), composer, methods);
-    let mut frames = 0;
-    for case in cases::all() {
-        let options = case.options(basic.as_ref(), What::ShadowTerm);
-        for camera in case.cameras() {
-            let scene = Scene {
-                camera: *camera,
-                ..case.scene.clone()
-            };
-            let rendered = renderer.render(&scene, &options).expect("renders");
-            let Picture::ShadowTerm(lights) = rendered.picture else {
-                unreachable!("a shadow term was asked for")
-            };
-            assert_eq!(lights.len(), case.scene.lights.len());
-            let bad = lights
-                .iter()
-                .flatten()
-                .filter(|term| !(0.0..=1.0).contains(*term));
-            assert_eq!(bad.count(), 0, "{}", case.name);
-            frames += 1;
-        }
+    let registry = umbrage_methods::registry().expect("names are unique");
+    let methods: Vec<_> = registry.names().map(str::to_owned).collect();
+    let limits = Limits::built_in().expect("a sound table");
+    for method in limits.methods() {
+        assert!(
+            registry.get(method).is_ok(),
+            "{method} is in limits.ron alone"
+        );
     }
-    assert!(frames > 2 * 64);
+    let mut lab = Lab::new(
+        Arc::new(Gpu::new().expect("an adapter")),
+        composer,
+        registry,
+    );
+    let cases = cases::all();
+    let stressed = stress(&mut lab, &methods, &cases, &limits, None, &()).expect("measured");
+
+    let mut faults = Vec::new();
+    for result in &stressed.results {
+        let (case, method, verdict) = (result.case, &result.method, &result.verdict);
+        for miss in verdict.missed.iter().filter(|miss| miss.excepted.is_none()) {
+            faults.push(format!(
+                "{method} in {case}: {} is {:?}, not {}",
+                miss.figure, miss.found, miss.limit
+            ));
+        }
+        for figure in &verdict.unnecessary {
+            faults.push(format!(
+                "{method} in {case}: the exception for {figure} is not needed; take it out of limits.ron"
+            ));
+        }
+        assert_eq!(result.figures.bad_pixels, 0, "{method} in {case}");
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+
+    // Nothing was passed over in silence.
+    let tried: BTreeSet<_> = (stressed.results.iter())
+        .map(|result| (result.case, result.method.as_str()))
+        .collect();
+    let skipped = (stressed.skipped.iter()).map(|(case, method, _)| (*case, method.as_str()));
+    let all = tried
+        .iter()
+        .copied()
+        .chain(skipped)
+        .collect::<BTreeSet<_>>();
+    assert_eq!(all.len(), cases.len() * methods.len());
+    let basic = tried.iter().filter(|(_, method)| *method == "basic");
+    assert_eq!(basic.count(), cases.len(), "basic shadows every light");
 }

@@ -2,11 +2,13 @@
 
 mod arguments;
 mod check;
+mod compare;
 mod cost;
 mod link;
 mod list;
 mod prebuild;
 mod render;
+mod stress;
 mod truth;
 
 use std::{
