@@ -4,7 +4,7 @@ use std::{path::Path, process::ExitCode, sync::Arc};
 
 use anyhow::{Context, Result, bail};
 use umbrage::{
-    compose::{Composer, Target},
+    compose::{Composer, RonFile, Target},
     methods::registry,
     render::{Gpu, Scene},
     shader_library,
@@ -104,13 +104,10 @@ fn configs(args: &CompareArgs, lab: &Lab, methods: &[String]) -> Result<Vec<Conf
     let Some(path) = &args.configs else {
         return Ok(Config::standard(methods, lab.registry(), lab.library())?);
     };
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("--configs {} cannot be read", path.display()))?;
-    let file = path.display().to_string();
-    let mut configs = Config::parse(&file, &text, lab.registry(), lab.library())?;
+    let mut configs = Config::read(&RonFile::load(path)?, lab.registry(), lab.library())?;
     configs.retain(|config| methods.contains(&config.method));
     if configs.is_empty() {
-        bail!("--configs {file} lists none of the methods that --methods names");
+        bail!("--configs lists none of the methods that --methods names");
     }
     Ok(configs)
 }

@@ -19,6 +19,19 @@ use crate::{
 pub struct RonFile(SourceText);
 
 impl RonFile {
+    /// A text that faults call `file`.
+    pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
+        Self(SourceText {
+            file: file.into(),
+            text: text.into().into(),
+        })
+    }
+
+    /// All of the text: bytes.
+    pub fn all(&self) -> Range<usize> {
+        0..self.0.text.len()
+    }
+
     /// Reads the file at `path`.
     ///
     /// # Errors

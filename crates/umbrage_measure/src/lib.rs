@@ -116,6 +116,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Comparing methods
+//! [`study::compare`] draws scenes with configurations of methods and puts errors beside costs, the time
+//! always as a ratio to the plainest shadow map's in the same round; [`report::write`] makes a page of it.
+//! [`study::stress`] draws the hard cases and holds them against their limits. A method takes part by being
+//! registered: without a line of its own in `configs.ron` it is tried with its defaults and with each value
+//! of its axes.
+//!
 //! # Cost
 //! The triangles lie in a tree of boxes (`parry3d`), so that a ray costs about the logarithm of their
 //! number; the rows of a picture are shared among all threads. A triangle takes about 400
@@ -126,8 +133,5 @@
 pub mod cases;
 pub mod figures;
 pub mod report;
-mod ron_file;
 pub mod study;
 pub mod truth;
-
-pub use ron_file::RonError;

@@ -17,9 +17,12 @@ const SCENES: &str = "examples/scenes";
 const MANIFEST: &str = "permutations/demo.ron";
 const PICTURES: &str = "target/umbrage/demo";
 const SIZE: &str = "960x540";
+const REPORT: &str = "target/umbrage/report";
+/// Large enough to see what differs, and small enough for a software rasteriser.
+const REPORT_SIZE: &str = "480x270";
 
 pub(crate) fn demo() -> Result<()> {
-    let mut steps = Steps::new(3);
+    let mut steps = Steps::new(4);
     steps.begin("set-up");
     set_up_command()?;
     steps.run("permutations", &mut umbrage(&["check", MANIFEST]))?;
@@ -34,6 +37,7 @@ pub(crate) fn demo() -> Result<()> {
         bar.set_style(style);
     }
     bar.enable_steady_tick(Duration::from_millis(100));
+    let mut files = Vec::new();
     for scene in scenes {
         let name = scene
             .file_stem()
@@ -44,12 +48,20 @@ pub(crate) fn demo() -> Result<()> {
         let picture = format!("{PICTURES}/{name}.png");
         let scene = format!("{SCENES}/{name}.ron");
         let mut render = umbrage(&["render", &scene, "--size", SIZE, "--out", &picture]);
+        files.push(scene);
         captured(&mut render)?;
         bar.suspend(|| eprintln!("    {picture}"));
         bar.inc(1);
     }
     bar.finish_and_clear();
+
+    let mut compare = umbrage(&["compare"]);
+    compare.args(&files);
+    compare.args(["--size", REPORT_SIZE, "--out", REPORT]);
+    steps.run("report", &mut compare)?;
     eprintln!("the pictures are in {}", pictures.display());
+    let page = root().join(REPORT).join("report.html");
+    eprintln!("which method to choose: open {}", page.display());
     Ok(())
 }
 

@@ -171,17 +171,17 @@ fn what_cannot_be_compared() {
         ),
         (
             "[(name: \"a\", method: \"basic\"), (name: \"a\", method: \"basic\")]",
-            "another of this name",
+            "two configurations called `a`",
         ),
         (
             "[(name: \"a\", method: \"basic\", light: 3)]",
             "configs.ron:1:",
         ),
-        ("[]", "there is none"),
+        ("[]", "there is no configuration"),
     ] {
         let said = configs(text);
         assert!(said.contains(expected), "{text}: {said}");
-        assert!(said.contains("configs.ron"), "{text}: {said}");
+        assert!(said.contains("configs.ron:1:"), "{text}: {said}");
     }
     assert!(refused(&[&scene, &scene]).contains("two scenes are called `ball`"));
     write(

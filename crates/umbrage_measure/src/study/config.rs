@@ -3,12 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
-use umbrage_compose::Library;
+use umbrage_compose::{Library, RonFile};
 use umbrage_render::RenderOptions;
 use umbrage_shadow::{Registry, Settings, ShadowMethod};
 
 use super::StudyError;
-use crate::ron_file;
 
 /// A method with what is chosen for it: an entry of a file of configurations.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -30,38 +29,35 @@ pub struct Config {
 const STANDARD: &str = include_str!("../../configs.ron");
 
 impl Config {
-    /// Reads a list of configurations in RON, and checks each against what there is. `file` is what
-    /// errors call the text.
+    /// Reads a list of configurations, and checks each against what there is.
     ///
     /// # Errors
-    /// A text that is no such list (with line and column), or an empty one; a method, an axis, a value or a
-    /// setting that does not exist; two configurations of one method and name.
-    pub fn parse(
-        file: &str,
-        text: &str,
+    /// What is no such list, or an empty one; a method, an axis, a value or a setting that does not
+    /// exist; two configurations of one method and name. With the place in the file.
+    pub fn read(
+        file: &RonFile,
         registry: &Registry,
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
-        let configs: Vec<Self> = ron_file::parse(file, text)?;
-        let wrong = |place: String, problem: String| StudyError::Config {
-            file: file.to_owned(),
-            place,
-            problem,
-        };
+        let configs: Vec<Self> = file.parse()?;
         if configs.is_empty() {
-            let problem = "there is none; list one as (name: \"default\", method: \"basic\")";
-            return Err(wrong("configurations".to_owned(), problem.to_owned()));
+            let fault = file.fault("there is no configuration", file.all(), &[]);
+            let note = "list one, such as (name: \"default\", method: \"basic\")";
+            return Err(umbrage_compose::Error::from(fault.note(note)).into());
         }
         let mut seen = BTreeSet::new();
-        for (index, config) in configs.iter().enumerate() {
-            let place = format!("configuration {} (`{}`)", index + 1, config.name);
-            if let Err(problem) = config.check(registry, library) {
-                return Err(wrong(place, problem));
-            }
-            if !seen.insert((&config.method, &config.name)) {
-                let method = &config.method;
-                let problem = format!("`{method}` has another of this name; give each its own");
-                return Err(wrong(place, problem));
+        for config in &configs {
+            let own = config.check(registry, library);
+            let checked = own.and_then(|()| match seen.insert((&config.method, &config.name)) {
+                true => Ok(()),
+                false => Err(format!(
+                    "method `{}` has two configurations called `{}`",
+                    config.method, config.name
+                )),
+            });
+            if let Err(problem) = checked {
+                let fault = file.fault(problem, file.all(), &[&config.name]);
+                return Err(umbrage_compose::Error::from(fault).into());
             }
         }
         Ok(configs)
@@ -77,7 +73,7 @@ impl Config {
         registry: &Registry,
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
-        let known: Vec<Self> = ron_file::parse("configs.ron", STANDARD)?;
+        let known: Vec<Self> = RonFile::new("configs.ron", STANDARD).parse()?;
         let mut configs = Vec::new();
         for name in methods {
             let method = registry.get(name).map_err(StudyError::Method)?;

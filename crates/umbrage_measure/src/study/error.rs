@@ -1,25 +1,12 @@
 use umbrage_render::RenderError;
 use umbrage_shadow::RegistryError;
 
-use crate::{figures::FigureError, report::ReportError, ron_file::RonError, truth::TruthError};
+use crate::{figures::FigureError, report::ReportError, truth::TruthError};
 
 /// Why methods could not be measured.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// A file is not RON, or not what it is to be.
-    #[error(transparent)]
-    Ron(#[from] RonError),
-    /// A configuration asks for what there is not.
-    #[error("{file}: {place}: {problem}")]
-    Config {
-        /// The file.
-        file: String,
-        /// Where in it.
-        place: String,
-        /// What is wrong.
-        problem: String,
-    },
     /// A method is asked for that is not registered.
     #[error(transparent)]
     Method(RegistryError),
@@ -62,7 +49,7 @@ pub enum StudyError {
         /// The case.
         case: &'static str,
     },
-    /// A permutation cannot be composed.
+    /// A permutation cannot be composed, or a list of configurations is faulty.
     #[error(transparent)]
     Compose(#[from] umbrage_compose::Error),
 }

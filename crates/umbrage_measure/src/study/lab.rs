@@ -233,6 +233,18 @@ impl Subject<'_> {
         rendered: &Rendered,
     ) -> Result<f64, StudyError> {
         let shaded = pixels(&rendered.picture);
+        let mut truth = self.shaded_truth(unshadowed);
+        for (pixel, (truth, shaded)) in truth.iter_mut().zip(shaded).enumerate() {
+            if !self.agrees(pixel) {
+                *truth = *shaded;
+            }
+        }
+        let (width, height) = self.size();
+        Ok(flip(width, height, &truth, shaded)?)
+    }
+
+    /// The shaded picture with true shadows, linear RGB.
+    pub(super) fn shaded_truth(&self, unshadowed: &Unshadowed) -> Vec<[f32; 3]> {
         let mut truth = unshadowed.ambient.clone();
         for (added, terms) in unshadowed.lights.iter().zip(&self.truth.terms) {
             for ((pixel, added), term) in truth.iter_mut().zip(added).zip(terms) {
@@ -242,13 +254,7 @@ impl Subject<'_> {
                 }
             }
         }
-        for (pixel, (truth, shaded)) in truth.iter_mut().zip(shaded).enumerate() {
-            if !self.agrees(pixel) {
-                *truth = *shaded;
-            }
-        }
-        let (width, height) = self.size();
-        Ok(flip(width, height, &truth, shaded)?)
+        truth
     }
 
     /// What a report shows of a rendering: of several lights the product of their terms.
@@ -288,7 +294,7 @@ pub(super) fn terms(rendered: &Rendered) -> &[Vec<f32>] {
 }
 
 /// The colours of a shaded picture.
-fn pixels(picture: &Picture) -> &[[f32; 3]] {
+pub(super) fn pixels(picture: &Picture) -> &[[f32; 3]] {
     match picture {
         Picture::Shaded(pixels) => pixels,
         _ => &[],

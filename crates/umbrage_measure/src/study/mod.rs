@@ -6,6 +6,8 @@ mod error;
 mod lab;
 mod motion;
 mod stress;
+#[cfg(test)]
+mod tests;
 mod timing;
 
 pub use self::{
