@@ -1,6 +1,6 @@
 //! What is written about the methods: figures of error beside figures of cost.
 //!
-//! A [`Report`] has a [`Row`] for each rendering of a scene. [`write`] makes two files of it:
+//! A [`Report`] has a [`Row`] for each rendering of a scene. [`write()`] makes two files of it:
 //!
 //! - `report.json`, for programs: every row with every figure by its name.
 //! - `report.html`, for people: one page that needs no network and no other file. For each scene it says
@@ -90,7 +90,7 @@ pub struct Skipped {
 }
 
 impl Report {
-    /// Sets `pareto` of every row. [`write`] does so too, with a copy of its own.
+    /// Sets `pareto` of every row. [`write()`] does so too, with a copy of its own.
     pub fn mark_pareto(&mut self) {
         pareto::mark(&mut self.rows);
     }
