@@ -17,7 +17,9 @@ pub enum Value {
     Vec4(Vec4),
     /// `mat4x4f`.
     Mat4(Mat4),
-    /// `array<…>`.
+    /// `array<…>`: all elements of one kind, and of an array of fixed size as many as it has. Vectors,
+    /// matrices and arrays may be elements, in uniform blocks and in storage buffers; where each lies is
+    /// the renderer's to find.
     Array(Vec<Value>),
 }
 
