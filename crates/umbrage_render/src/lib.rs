@@ -51,7 +51,7 @@ mod scene;
 
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
-pub use pack::{PackError, pack};
+pub use pack::{PackError, pack, pack_buffer};
 pub use picture::{PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{RenderOptions, Renderer, What};
 pub use scene::{

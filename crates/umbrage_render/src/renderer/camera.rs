@@ -9,8 +9,8 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, record, unfiltered},
     lights::{self, LightSetup},
-    pipelines::DrawState,
-    shadows::ShadowResources,
+    pipelines::{ColorState, DrawState},
+    resources::ShadowResources,
     target::{DEPTH, Target},
 };
 use crate::{Picture, RenderError};
@@ -245,7 +245,11 @@ fn camera_state(
     shadow: Option<&ShadowResources>,
 ) -> DrawState {
     DrawState {
-        color: Some((format, additive)),
+        color: Some(ColorState {
+            format,
+            additive,
+            channels: wgpu::ColorWrites::ALL,
+        }),
         depth: DEPTH,
         compare: wgpu::CompareFunction::GreaterEqual,
         write_depth: !additive,

@@ -16,11 +16,11 @@ use super::{
     lights::{self, LightSetup},
     objects::{Objects, Run},
     pipelines::{DrawState, Pipeline},
-    shadows::{ShadowResources, TextureId},
+    resources::{ShadowResources, TextureId},
     timer::Timer,
 };
 use crate::{
-    PermutationUse, RenderError, Report, pack,
+    PermutationUse, RenderError, Report, pack, pack_buffer,
     scene::{Image, Material, Object},
 };
 
@@ -37,6 +37,8 @@ pub(super) struct FrameState<'a> {
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
     instances: Vec<(Layout, wgpu::Buffer)>,
+    /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
+    buffers: Vec<((usize, String, BindingKind), wgpu::Buffer)>,
 }
 
 /// What all draws of one pass share.
@@ -86,6 +88,7 @@ impl<'a> FrameState<'a> {
             shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
             instances: Vec::new(),
+            buffers: Vec::new(),
         }
     }
 }
@@ -227,7 +230,7 @@ impl Renderer {
         for binding in pipeline.bindings(group) {
             let key = &pipeline.permutation.key;
             let resource = match group {
-                LIGHT => self.light_resource(inputs, key, binding)?,
+                LIGHT => self.light_resource(frame, inputs, key, binding)?,
                 MATERIAL => self.material_resource(object, key, binding)?,
                 _ => self.frame_resource(frame, inputs, key, binding)?,
             };
@@ -276,6 +279,34 @@ impl Renderer {
         )?))
     }
 
+    /// The buffer of a light's shadow method, made once for each layout that is read.
+    fn storage(
+        &self,
+        frame: &mut FrameState<'_>,
+        light: usize,
+        key: &Key,
+        binding: &Binding,
+        value: &Value,
+    ) -> Result<Resource, RenderError> {
+        let BindingKind::Storage {
+            layout, run_time, ..
+        } = &binding.kind
+        else {
+            let problem = "a storage buffer was expected";
+            return Err(RenderError::binding(key, binding, problem));
+        };
+        let id = (light, binding.name.clone(), binding.kind.clone());
+        if let Some((_, known)) = frame.buffers.iter().find(|(known, _)| *known == id) {
+            return Ok(Resource::Buffer(known.clone()));
+        }
+        let bytes = pack_buffer(&binding.name, (layout, *run_time), value)
+            .map_err(|error| RenderError::binding(key, binding, error))?;
+        let usage = wgpu::BufferUsages::STORAGE;
+        let buffer = self.gpu.buffer(&binding.name, usage, &bytes)?;
+        frame.buffers.push((id, buffer.clone()));
+        Ok(Resource::Buffer(buffer))
+    }
+
     fn frame_resource(
         &self,
         frame: &mut FrameState<'_>,
@@ -313,6 +344,7 @@ impl Renderer {
 
     fn light_resource(
         &mut self,
+        frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         key: &Key,
         binding: &Binding,
@@ -335,6 +367,13 @@ impl Renderer {
                     BindingKind::Uniform(_) => {
                         return self.uniform(key, binding, &shadow.constants);
                     }
+                    BindingKind::Storage { .. } => match shadow.buffers.get(name) {
+                        Some(value) => {
+                            let light = light.setup.index;
+                            return self.storage(frame, light, key, binding, value);
+                        }
+                        None => None,
+                    },
                     BindingKind::Sampler { .. } => shadow
                         .samplers
                         .get(name)

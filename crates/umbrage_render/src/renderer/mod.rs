@@ -6,6 +6,7 @@ mod draw;
 mod lights;
 mod objects;
 mod pipelines;
+mod resources;
 mod shadows;
 mod target;
 mod timer;
@@ -26,7 +27,7 @@ use self::{
     lights::LightSetup,
     objects::Objects,
     pipelines::{DrawState, Pipeline},
-    shadows::TextureId,
+    resources::TextureId,
     timer::Timer,
 };
 use crate::{

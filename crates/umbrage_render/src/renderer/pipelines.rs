@@ -11,8 +11,7 @@ use crate::{Gpu, RenderError};
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct DrawState {
-    /// The colour target's format, and whether what is drawn is added to it.
-    pub(super) color: Option<(wgpu::TextureFormat, bool)>,
+    pub(super) color: Option<ColorState>,
     pub(super) depth: wgpu::TextureFormat,
     pub(super) compare: wgpu::CompareFunction,
     pub(super) write_depth: bool,
@@ -20,6 +19,16 @@ pub(super) struct DrawState {
     pub(super) front: wgpu::FrontFace,
     /// Names of textures and samplers in the light's group that are not to be filtered.
     pub(super) unfiltered: BTreeSet<String>,
+}
+
+/// How a pass writes colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ColorState {
+    pub(super) format: wgpu::TextureFormat,
+    /// Whether what is drawn is added to what is there.
+    pub(super) additive: bool,
+    /// The channels that are written.
+    pub(super) channels: wgpu::ColorWrites,
 }
 
 /// A pipeline and what it wants bound.
@@ -66,13 +75,11 @@ impl Pipeline {
                 })
             })
             .collect();
-        let targets = [state
-            .color
-            .map(|(format, additive)| wgpu::ColorTargetState {
-                format,
-                blend: additive.then_some(ADD),
-                write_mask: wgpu::ColorWrites::ALL,
-            })];
+        let targets = [state.color.map(|color| wgpu::ColorTargetState {
+            format: color.format,
+            blend: color.additive.then_some(ADD),
+            write_mask: color.channels,
+        })];
         let pipeline = gpu
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
