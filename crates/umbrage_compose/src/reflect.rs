@@ -95,6 +95,8 @@ pub enum BindingKind {
     Storage {
         /// Whether the shader only reads it.
         read_only: bool,
+        /// Whether it is a run-time array: of as many elements as the buffer has room for.
+        run_time: bool,
         /// The layout; of a run-time array, that of one element.
         layout: Layout,
     },
@@ -316,6 +318,13 @@ fn kind(module: &Module, global: &GlobalVariable) -> Option<BindingKind> {
         AddressSpace::Uniform => Some(BindingKind::Uniform(layout(module, global.ty))),
         AddressSpace::Storage { access } => Some(BindingKind::Storage {
             read_only: !access.contains(StorageAccess::STORE),
+            run_time: matches!(
+                module.types[global.ty].inner,
+                TypeInner::Array {
+                    size: ArraySize::Dynamic,
+                    ..
+                }
+            ),
             layout: layout(module, global.ty),
         }),
         _ => match module.types[global.ty].inner {

@@ -360,6 +360,8 @@ impl Job {
             cull: None,
             view_proj: view_proj.as_mat4(),
             casters,
+            color: None,
+            receivers: None,
         })
     }
 
@@ -394,7 +396,7 @@ impl Job {
             constants,
             fetches_per_pixel: taps * taps,
             filter_radius: 0.5 * f64::from(self.width) + 0.5,
-            shadow_distance: None,
+            ..ShadowPlan::default()
         }
     }
 }

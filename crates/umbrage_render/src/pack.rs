@@ -29,71 +29,92 @@ pub enum PackError {
         /// The value.
         found: String,
     },
+    /// An array has another number of elements than the shader's.
+    #[error(
+        "the shader's `{member}` is {expected}, but the value given for it has {found} elements"
+    )]
+    Length {
+        /// The member.
+        member: String,
+        /// Its type.
+        expected: String,
+        /// How many elements the value has.
+        found: usize,
+    },
 }
 
 /// The bytes of a block of this layout: each member's value at the member's offset, zeros between.
 /// Values that no member reads are left out.
 ///
 /// # Errors
-/// A member without a value, or with one that is not finite or of another type.
+/// A member without a value, or with one that is not finite, of another type or of another length.
 pub fn pack(layout: &Layout, constants: &Constants) -> Result<Vec<u8>, PackError> {
     let mut bytes = vec![0; layout.size as usize];
-    for member in &layout.members {
-        let name = &member.name;
-        let value = constants.get(name).ok_or_else(|| PackError::Missing {
-            member: name.clone(),
-        })?;
-        if !value.is_finite() {
-            return Err(PackError::NotFinite {
-                member: name.clone(),
-            });
-        }
-        put(&mut bytes, member.offset as usize, &member.ty, value).ok_or_else(|| {
-            PackError::Mismatch {
-                member: name.clone(),
-                expected: describe(&member.ty),
-                found: short(value),
-            }
-        })?;
-    }
+    put_members(&mut bytes, (0, ""), layout, constants)?;
     Ok(bytes)
 }
 
-fn put(bytes: &mut [u8], offset: usize, ty: &MemberType, value: &Value) -> Option<()> {
-    let mut write = |words: &[u8]| {
-        bytes
-            .get_mut(offset..offset + words.len())?
-            .copy_from_slice(words);
-        Some(())
+/// The bytes of a storage buffer, zeros between elements and members. `layout` is what the reflection
+/// says of the binding `name`: of a `run_time` array that of one element, and `value` is an array of
+/// one element at the least.
+///
+/// # Errors
+/// As [`pack`]'s; a run-time array without elements.
+pub fn pack_buffer(
+    name: &str,
+    (layout, run_time): (&Layout, bool),
+    value: &Value,
+) -> Result<Vec<u8>, PackError> {
+    let ty = match layout.members.as_slice() {
+        [only] if only.name.is_empty() => only.ty.clone(),
+        _ => MemberType::Struct(layout.clone()),
     };
+    let (ty, size) = match run_time {
+        true => {
+            let array = MemberType::Array {
+                element: Box::new(ty),
+                count: 0,
+                stride: layout.size,
+            };
+            (array, 0)
+        }
+        false => (ty, layout.size),
+    };
+    let mut bytes = vec![0; size as usize];
+    put(&mut bytes, (0, name), &ty, value)?;
+    Ok(bytes)
+}
+
+/// Where a value goes: its first byte, and what the shader calls it.
+type Place<'a> = (usize, &'a str);
+
+fn put_members(
+    bytes: &mut Vec<u8>,
+    (offset, within): Place<'_>,
+    layout: &Layout,
+    constants: &Constants,
+) -> Result<(), PackError> {
+    for member in &layout.members {
+        let name = match within {
+            "" => member.name.clone(),
+            within => format!("{within}.{}", member.name),
+        };
+        let Some(value) = constants.get(&member.name) else {
+            return Err(PackError::Missing { member: name });
+        };
+        let at = offset + member.offset as usize;
+        put(bytes, (at, &name), &member.ty, value)?;
+    }
+    Ok(())
+}
+
+fn put(
+    bytes: &mut Vec<u8>,
+    (offset, name): Place<'_>,
+    ty: &MemberType,
+    value: &Value,
+) -> Result<(), PackError> {
     match (ty, value) {
-        (
-            MemberType::Vector {
-                components,
-                scalar: Scalar::F32,
-            },
-            value,
-        ) => match (components, value) {
-            (1, Value::F32(v)) => write(bytemuck::bytes_of(v)),
-            (2, Value::Vec2(v)) => write(bytemuck::bytes_of(v)),
-            (3, Value::Vec3(v)) => write(bytemuck::bytes_of(v)),
-            (4, Value::Vec4(v)) => write(bytemuck::bytes_of(v)),
-            _ => None,
-        },
-        (
-            MemberType::Vector {
-                components: 1,
-                scalar: Scalar::U32,
-            },
-            Value::U32(v),
-        ) => write(bytemuck::bytes_of(v)),
-        (
-            MemberType::Matrix {
-                columns: 4,
-                rows: 4,
-            },
-            Value::Mat4(v),
-        ) => write(bytemuck::bytes_of(v)),
         (
             MemberType::Array {
                 element,
@@ -102,16 +123,60 @@ fn put(bytes: &mut [u8], offset: usize, ty: &MemberType, value: &Value) -> Optio
             },
             Value::Array(values),
         ) => {
-            if values.len() != *count as usize {
-                return None;
+            let (given, stride) = (values.len(), *stride as usize);
+            // A run-time array has as many as there are, but never none.
+            if given == 0 || (*count > 0 && given != *count as usize) {
+                return Err(PackError::Length {
+                    member: name.to_owned(),
+                    expected: describe(ty),
+                    found: given,
+                });
             }
+            let end = offset + given * stride;
+            bytes.resize(bytes.len().max(end), 0);
             for (index, value) in values.iter().enumerate() {
-                put(bytes, offset + index * *stride as usize, element, value)?;
+                let name = format!("{name}[{index}]");
+                put(bytes, (offset + index * stride, &name), element, value)?;
             }
-            Some(())
+            Ok(())
         }
-        _ => None,
+        (MemberType::Struct(layout), Value::Struct(members)) => {
+            put_members(bytes, (offset, name), layout, members)
+        }
+        _ => {
+            let words = words(ty, value).filter(|words| offset + words.len() <= bytes.len());
+            let words = words.ok_or_else(|| PackError::Mismatch {
+                member: name.to_owned(),
+                expected: describe(ty),
+                found: short(value),
+            })?;
+            if !value.is_finite() {
+                return Err(PackError::NotFinite {
+                    member: name.to_owned(),
+                });
+            }
+            bytes[offset..offset + words.len()].copy_from_slice(words);
+            Ok(())
+        }
     }
+}
+
+/// The bytes of a value that lies in one piece; none where it is of another type.
+fn words<'a>(ty: &MemberType, value: &'a Value) -> Option<&'a [u8]> {
+    let vector = |components, scalar| MemberType::Vector { components, scalar };
+    let (own, bytes) = match value {
+        Value::F32(v) => (vector(1, Scalar::F32), bytemuck::bytes_of(v)),
+        Value::U32(v) => (vector(1, Scalar::U32), bytemuck::bytes_of(v)),
+        Value::Vec2(v) => (vector(2, Scalar::F32), bytemuck::bytes_of(v)),
+        Value::Vec3(v) => (vector(3, Scalar::F32), bytemuck::bytes_of(v)),
+        Value::Vec4(v) => (vector(4, Scalar::F32), bytemuck::bytes_of(v)),
+        Value::Mat4(v) => {
+            let (columns, rows) = (4, 4);
+            (MemberType::Matrix { columns, rows }, bytemuck::bytes_of(v))
+        }
+        Value::Array(_) | Value::Struct(_) => return None,
+    };
+    (own == *ty).then_some(bytes)
 }
 
 fn describe(ty: &MemberType) -> String {
@@ -124,6 +189,9 @@ fn describe(ty: &MemberType) -> String {
             format!("vec{components}<{}>", format!("{scalar:?}").to_lowercase())
         }
         MemberType::Matrix { columns, rows } => format!("mat{columns}x{rows}f"),
+        MemberType::Array {
+            element, count: 0, ..
+        } => format!("array<{}> of one element at the least", describe(element)),
         MemberType::Array { element, count, .. } => {
             format!("array<{}, {count}>", describe(element))
         }
@@ -134,6 +202,7 @@ fn describe(ty: &MemberType) -> String {
 fn short(value: &Value) -> String {
     match value {
         Value::Array(values) => format!("an array of {}", values.len()),
+        Value::Struct(_) => "a struct".to_owned(),
         value => format!("{value:?}").replace('\n', " "),
     }
 }

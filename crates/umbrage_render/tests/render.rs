@@ -356,6 +356,8 @@ impl ShadowMethod for Faulty {
                 cull: None,
                 view_proj: glam::Mat4::IDENTITY,
                 casters: (0..frame.casters.casters.len()).collect(),
+                color: None,
+                receivers: None,
             })],
             constants: Constants::new(),
             ..ShadowPlan::default()

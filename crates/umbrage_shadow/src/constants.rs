@@ -17,8 +17,12 @@ pub enum Value {
     Vec4(Vec4),
     /// `mat4x4f`.
     Mat4(Mat4),
-    /// `array<…>`.
+    /// `array<…>`: all elements of one kind, and of an array of fixed size as many as it has. Vectors,
+    /// matrices, structs and arrays may be elements, in uniform blocks and in storage buffers; where each lies is
+    /// the renderer's to find.
     Array(Vec<Value>),
+    /// A struct within a block, or as an element: its members' values by their names.
+    Struct(Constants),
 }
 
 impl Value {
@@ -32,6 +36,7 @@ impl Value {
             Self::Vec4(value) => value.is_finite(),
             Self::Mat4(value) => value.is_finite(),
             Self::Array(values) => values.iter().all(Self::is_finite),
+            Self::Struct(Constants(members)) => members.iter().all(|(_, v)| v.is_finite()),
         }
     }
 }

@@ -100,12 +100,14 @@
 //!                 cull: None,
 //!                 view_proj,
 //!                 casters: (0..frame.casters.casters.len()).collect(),
+//!                 color: None,
+//!                 receivers: None,
 //!             })],
 //!             constants: Constants::new().with("view_proj", Value::Mat4(view_proj)),
 //!             fetches_per_pixel: 1,
 //!             // A bilinear fetch reads the texels whose middles are within one texel.
 //!             filter_radius: 1.0,
-//!             shadow_distance: None,
+//!             ..ShadowPlan::default()
 //!         })
 //!     }
 //! }
@@ -161,7 +163,8 @@ pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
 pub use plan::{
-    CasterPass, DepthTest, Pass, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Viewport,
+    BufferDesc, CasterPass, ColorTarget, Contents, DepthTest, Pass, SamplerDesc, ShadowPlan,
+    TextureDesc, TextureShape, Viewport,
 };
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

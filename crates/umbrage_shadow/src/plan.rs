@@ -1,9 +1,9 @@
 //! What a method wants drawn this frame, as plain data.
 
 use glam::Mat4;
-use wgpu_types::{CompareFunction, Face, FilterMode, TextureFormat};
+use wgpu_types::{ColorWrites, CompareFunction, Face, FilterMode, TextureFormat};
 
-use crate::Constants;
+use crate::{Constants, Value};
 
 /// What a method wants drawn this frame, and what `calc_shadow` reads. The renderer only executes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +13,10 @@ pub struct ShadowPlan {
     pub textures: Vec<TextureDesc>,
     /// The samplers that it owns, by the name of the binding that reads each.
     pub samplers: Vec<SamplerDesc>,
+    /// What textures hold that no pass draws into: uploaded before the passes.
+    pub contents: Vec<Contents>,
+    /// The storage buffers that `calc_shadow` reads, by the name of the binding that reads each.
+    pub buffers: Vec<BufferDesc>,
     /// What to draw, in order.
     pub passes: Vec<Pass>,
     /// The members of the uniform block that `calc_shadow` reads.
@@ -73,6 +77,27 @@ pub struct SamplerDesc {
     pub compare: Option<CompareFunction>,
 }
 
+/// What a texture holds that the method itself computed, such as a row of matrices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contents {
+    /// The texture: one of the plan's, of one rectangle and a format of whole texels that is not of
+    /// depth, that no pass draws into.
+    pub texture: String,
+    /// All of its texels, as the format has them (numbers least significant byte first): rows from the
+    /// top, texels from the left, nothing between.
+    pub bytes: Vec<u8>,
+}
+
+/// A storage buffer that a method owns and its shader only reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BufferDesc {
+    /// The binding that reads it.
+    pub name: String,
+    /// What it holds: for `array<T>` a [`Value::Array`] of one element at the least, laid out with the
+    /// stride that the linked shader gives it.
+    pub value: Value,
+}
+
 /// One pass of a plan.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -84,8 +109,11 @@ pub enum Pass {
 /// Casters drawn into a viewport of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasterPass {
-    /// The texture's name.
+    /// The name of the depth texture.
     pub target: String,
+    /// A colour texture that depth is written into as well: for shaders that read depth in channels of
+    /// their own choice. `target` then only finds which caster is nearest, and no shader need read it.
+    pub color: Option<ColorTarget>,
     /// The texture's layer; of a cube, its face.
     pub layer: u32,
     /// Where in the layer.
@@ -101,6 +129,23 @@ pub struct CasterPass {
     pub view_proj: Mat4,
     /// The casters to draw: indices into the frame's casters, ascending.
     pub casters: Vec<usize>,
+    /// The view depths (metres along the way that the camera looks, nearest and farthest) of the
+    /// receivers that this pass's map is read for; none where it is read for all that it holds. Nothing is
+    /// drawn by it: it tells a measurement which of several maps a pixel reads.
+    pub receivers: Option<[f64; 2]>,
+}
+
+/// Where a pass writes depth as a colour: window depth (reversed, 0..1), as the depth texture holds it.
+///
+/// The plan's first pass into a texture clears all of its channels to 0, the farthest, whatever
+/// [`CasterPass::clear`] says of the depth: later passes fill further channels, or further viewports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorTarget {
+    /// The name of a texture of one rectangle, as large as the pass's depth texture, in a format of
+    /// floats.
+    pub texture: String,
+    /// The channels to write. Each gets the same depth; the others keep what they hold.
+    pub channels: ColorWrites,
 }
 
 /// How a pass compares depths.

@@ -14,13 +14,14 @@ use super::{
     RenderOptions, Renderer,
     assets::{self, GpuMesh, Vertices},
     lights::{self, LightSetup},
+    masks::SEEN_PLANES,
     objects::{Objects, Run},
     pipelines::{DrawState, Pipeline},
-    shadows::{ShadowResources, TextureId},
+    resources::{ShadowResources, TextureId},
     timer::Timer,
 };
 use crate::{
-    PermutationUse, RenderError, Report, pack,
+    PermutationUse, RenderError, Report, pack, pack_buffer,
     scene::{Image, Material, Object},
 };
 
@@ -33,10 +34,16 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
+    /// What is seen, where it was laid down for masks.
+    pub(super) planes: Option<wgpu::TextureView>,
+    /// The members of the shader's block `rays`.
+    rays: Constants,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
     instances: Vec<(Layout, wgpu::Buffer)>,
+    /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
+    buffers: Vec<((usize, String, BindingKind), wgpu::Buffer)>,
 }
 
 /// What all draws of one pass share.
@@ -60,13 +67,16 @@ pub(super) struct LightInputs<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: &'a Constants,
     pub(super) shadow: Option<&'a ShadowResources>,
+    /// Whether the shadow term is read from a mask.
+    pub(super) masked: bool,
 }
 
 /// A draw, ready to be recorded.
 pub(super) struct Command {
     pipeline: Arc<Pipeline>,
     groups: Vec<Option<wgpu::BindGroup>>,
-    mesh: Arc<GpuMesh>,
+    /// None for one triangle around the picture.
+    mesh: Option<Arc<GpuMesh>>,
     instances: Range<u32>,
 }
 
@@ -76,8 +86,11 @@ impl<'a> FrameState<'a> {
         objects: Objects<'a>,
         encoder: wgpu::CommandEncoder,
         timer: Timer,
+        rays: Constants,
     ) -> Self {
         Self {
+            planes: None,
+            rays,
             options,
             objects,
             encoder,
@@ -86,6 +99,7 @@ impl<'a> FrameState<'a> {
             shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
             instances: Vec::new(),
+            buffers: Vec::new(),
         }
     }
 }
@@ -99,12 +113,16 @@ pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
                 pass.set_bind_group(group as u32, bound, &[]);
             }
         }
+        let Some(mesh) = &command.mesh else {
+            pass.draw(0..3, command.instances.clone());
+            continue;
+        };
         for (slot, location) in command.pipeline.attributes.iter().enumerate() {
-            if let Some(buffer) = command.mesh.attribute(*location) {
+            if let Some(buffer) = mesh.attribute(*location) {
                 pass.set_vertex_buffer(slot as u32, buffer.slice(..));
             }
         }
-        command.mesh.draw(pass, command.instances.clone());
+        mesh.draw(pass, command.instances.clone());
     }
 }
 
@@ -158,12 +176,39 @@ impl Renderer {
             commands.push(Command {
                 pipeline,
                 groups,
-                mesh,
+                mesh: Some(mesh),
                 instances,
             });
         }
         frame.report.draws += commands.len() as u32;
         Ok(commands)
+    }
+
+    /// The command that draws one triangle around the picture, for the sake of `object`.
+    pub(super) fn prepare_screen(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        object: &Object,
+    ) -> Result<Command, RenderError> {
+        let permutation = self.compose(frame, inputs, object)?;
+        let pipeline = self.pipeline(permutation, &inputs.state, false)?;
+        let mut groups = Vec::new();
+        for (group, layout) in pipeline.groups.iter().enumerate() {
+            groups.push(match layout {
+                Some(layout) => {
+                    Some(self.bind(frame, inputs, &pipeline, (group, layout), object)?)
+                }
+                None => None,
+            });
+        }
+        frame.report.draws += 1;
+        Ok(Command {
+            pipeline,
+            groups,
+            mesh: None,
+            instances: 0..1,
+        })
     }
 
     /// The permutation that `object` needs in this pass, composed on first need.
@@ -173,7 +218,7 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         object: &Object,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| light.setup);
+        let light = inputs.light.map(|light| (light.setup, light.masked));
         let library = self.composer.library();
         let key = lights::key(library, frame.options, inputs.pass, light, &object.material)?;
         if let Some(known) = frame.composed.get(&key) {
@@ -227,7 +272,7 @@ impl Renderer {
         for binding in pipeline.bindings(group) {
             let key = &pipeline.permutation.key;
             let resource = match group {
-                LIGHT => self.light_resource(inputs, key, binding)?,
+                LIGHT => self.light_resource(frame, inputs, key, binding)?,
                 MATERIAL => self.material_resource(object, key, binding)?,
                 _ => self.frame_resource(frame, inputs, key, binding)?,
             };
@@ -276,6 +321,34 @@ impl Renderer {
         )?))
     }
 
+    /// The buffer of a light's shadow method, made once for each layout that is read.
+    fn storage(
+        &self,
+        frame: &mut FrameState<'_>,
+        light: usize,
+        key: &Key,
+        binding: &Binding,
+        value: &Value,
+    ) -> Result<Resource, RenderError> {
+        let BindingKind::Storage {
+            layout, run_time, ..
+        } = &binding.kind
+        else {
+            let problem = "a storage buffer was expected";
+            return Err(RenderError::binding(key, binding, problem));
+        };
+        let id = (light, binding.name.clone(), binding.kind.clone());
+        if let Some((_, known)) = frame.buffers.iter().find(|(known, _)| *known == id) {
+            return Ok(Resource::Buffer(known.clone()));
+        }
+        let bytes = pack_buffer(&binding.name, (layout, *run_time), value)
+            .map_err(|error| RenderError::binding(key, binding, error))?;
+        let usage = wgpu::BufferUsages::STORAGE;
+        let buffer = self.gpu.buffer(&binding.name, usage, &bytes)?;
+        frame.buffers.push((id, buffer.clone()));
+        Ok(Resource::Buffer(buffer))
+    }
+
     fn frame_resource(
         &self,
         frame: &mut FrameState<'_>,
@@ -289,6 +362,13 @@ impl Renderer {
                     .with("view_proj", Value::Mat4(inputs.view_proj))
                     .with("ambient", Value::Vec3(inputs.ambient));
                 self.uniform(key, binding, &constants)
+            }
+            ("rays", _) => self.uniform(key, binding, &frame.rays),
+            (SEEN_PLANES, BindingKind::Texture { .. }) => {
+                let nothing = "what passes before the masks give";
+                let planes = frame.planes.clone();
+                let planes = planes.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(planes))
             }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
@@ -306,13 +386,14 @@ impl Renderer {
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame` and `instances`",
+                "what the frame gives, `frame`, `rays`, `instances` and, to a mask, `seen_planes`",
             )),
         }
     }
 
     fn light_resource(
         &mut self,
+        frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         key: &Key,
         binding: &Binding,
@@ -335,6 +416,13 @@ impl Renderer {
                     BindingKind::Uniform(_) => {
                         return self.uniform(key, binding, &shadow.constants);
                     }
+                    BindingKind::Storage { .. } => match shadow.buffers.get(name) {
+                        Some(value) => {
+                            let light = light.setup.index;
+                            return self.storage(frame, light, key, binding, value);
+                        }
+                        None => None,
+                    },
                     BindingKind::Sampler { .. } => shadow
                         .samplers
                         .get(name)

@@ -197,12 +197,13 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
         .unwrap_or_default()
 }
 
-/// The key of a draw of `material` in `pass`, for `light` where the pass is for one.
+/// The key of a draw of `material` in `pass`, for `light` where the pass is for one; `masked` where it
+/// reads the light's mask.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
-    light: Option<&LightSetup<'_>>,
+    light: Option<(&LightSetup<'_>, bool)>,
     material: &Material,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
@@ -221,6 +222,7 @@ pub(super) fn key(
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
+    let (light, masked) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.
     if kind != Some("spot") {
@@ -231,7 +233,9 @@ pub(super) fn key(
         if kind == "spot" && light.source.cookie.is_some() {
             choices.insert("cookie", "on");
         }
-        if let Some(setup) = &light.method {
+        if masked == Some(true) {
+            choices.insert("method", "mask");
+        } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
         }

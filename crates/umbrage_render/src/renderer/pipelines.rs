@@ -11,15 +11,24 @@ use crate::{Gpu, RenderError};
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct DrawState {
-    /// The colour target's format, and whether what is drawn is added to it.
-    pub(super) color: Option<(wgpu::TextureFormat, bool)>,
+    pub(super) color: Option<ColorState>,
     pub(super) depth: wgpu::TextureFormat,
     pub(super) compare: wgpu::CompareFunction,
     pub(super) write_depth: bool,
     pub(super) cull: Option<wgpu::Face>,
     pub(super) front: wgpu::FrontFace,
-    /// Names of textures and samplers in the light's group that are not to be filtered.
+    /// Names of textures and samplers in the pass's and the light's group that are not to be filtered.
     pub(super) unfiltered: BTreeSet<String>,
+}
+
+/// How a pass writes colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ColorState {
+    pub(super) format: wgpu::TextureFormat,
+    /// Whether what is drawn is added to what is there.
+    pub(super) additive: bool,
+    /// The channels that are written.
+    pub(super) channels: wgpu::ColorWrites,
 }
 
 /// A pipeline and what it wants bound.
@@ -66,13 +75,11 @@ impl Pipeline {
                 })
             })
             .collect();
-        let targets = [state
-            .color
-            .map(|(format, additive)| wgpu::ColorTargetState {
-                format,
-                blend: additive.then_some(ADD),
-                write_mask: wgpu::ColorWrites::ALL,
-            })];
+        let targets = [state.color.map(|color| wgpu::ColorTargetState {
+            format: color.format,
+            blend: color.additive.then_some(ADD),
+            write_mask: color.channels,
+        })];
         let pipeline = gpu
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -192,7 +199,7 @@ fn group_layouts(
     for group in 0..count {
         let mut entries = Vec::new();
         for binding in bindings.iter().filter(|binding| binding.group == group) {
-            let unfiltered = group == 1 && state.unfiltered.contains(&binding.name);
+            let unfiltered = group <= 1 && state.unfiltered.contains(&binding.name);
             let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
                 let problem = "a render pass has no such resource to give";
                 RenderError::binding(&permutation.key, binding, problem)

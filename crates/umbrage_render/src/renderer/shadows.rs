@@ -1,11 +1,11 @@
 //! Executes what a shadow method plans.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use glam::Vec3;
 use umbrage_shadow::{
-    Aabb, CasterPass, Casters, Constants, Frame, Pass, SamplerDesc, ShadowPlan, TextureDesc,
-    TextureShape, View,
+    Aabb, CasterPass, Casters, ColorTarget, Frame, Pass, ShadowPlan, TextureDesc, TextureShape,
+    View,
 };
 
 use super::{
@@ -13,20 +13,11 @@ use super::{
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
-    pipelines::DrawState,
+    pipelines::{ColorState, DrawState},
+    resources::{ShadowResources, Textures},
     timer::Mark,
 };
 use crate::RenderError;
-
-/// What `calc_shadow` reads, on the device.
-pub(super) struct ShadowResources {
-    pub(super) constants: Constants,
-    pub(super) textures: BTreeMap<String, (wgpu::TextureFormat, wgpu::TextureView)>,
-    pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
-}
-
-/// A texture kept from frame to frame: which, by the light's number, the method and the name.
-pub(super) type TextureId = (usize, String, String);
 
 impl Renderer {
     /// Draws the shadow maps of a light for the objects at `receivers`.
@@ -52,86 +43,32 @@ impl Renderer {
         let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
+        // A pass may fill one channel of many: only the first one clears them all.
+        let mut colored = BTreeSet::new();
         for pass in &plan.passes {
             match pass {
                 Pass::Casters(pass) => {
                     let slots = slots(setup, pass, &casting)?;
-                    self.draw_casters(frame, (light, setup), pass, &textures, &slots)?;
+                    let color = pass.color.as_ref().map(|color| color.texture.as_str());
+                    let clear = color.is_some_and(|texture| colored.insert(texture));
+                    let drawn = (pass, clear);
+                    self.draw_casters(frame, (light, setup), drawn, &textures, &slots)?;
                 }
                 _ => return Err(bad_plan(setup, "a pass of a kind that is not known here")),
             }
         }
-        let mut resources = ShadowResources {
-            constants: plan.constants.clone(),
-            textures: BTreeMap::new(),
-            samplers: BTreeMap::new(),
-        };
-        for (desc, texture) in textures.into_values() {
-            let size = size(&desc);
-            let layer = u64::from(size.width) * u64::from(size.height);
-            frame.report.texels += layer * u64::from(size.depth_or_array_layers);
-            frame.report.shadow_bytes += desc.format.theoretical_memory_footprint(size);
-            let view = texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(match desc.shape {
-                    TextureShape::D2 => wgpu::TextureViewDimension::D2,
-                    TextureShape::Cube => wgpu::TextureViewDimension::Cube,
-                }),
-                ..Default::default()
-            });
-            resources.textures.insert(desc.name, (desc.format, view));
-        }
-        for desc in &plan.samplers {
-            let sampler = self.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: desc.filter,
-                min_filter: desc.filter,
-                compare: desc.compare,
-                ..Default::default()
-            });
-            resources
-                .samplers
-                .insert(desc.name.clone(), (desc.clone(), sampler));
-        }
+        let resources = self.resources(frame, &plan, textures);
         frame.report.plans.resize(light.index, None);
         frame.report.plans.push(Some(plan));
         Ok(resources)
-    }
-
-    /// The plan's textures by name, kept from the last frame where they are the same.
-    fn textures(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        light: &LightSetup<'_>,
-        setup: &MethodSetup<'_>,
-        plan: &ShadowPlan,
-    ) -> Result<BTreeMap<String, (TextureDesc, wgpu::Texture)>, RenderError> {
-        let method = setup.method.name();
-        let mut textures = BTreeMap::new();
-        for desc in &plan.textures {
-            let id = (light.index, method.to_owned(), desc.name.clone());
-            frame.shadow_maps.insert(id.clone());
-            let known = self.shadow_maps.get(&id).filter(|(known, _)| known == desc);
-            let texture = match known {
-                Some((_, texture)) => texture.clone(),
-                None => {
-                    let what = format!("texture `{}` of light `{}`", desc.name, light.source.name);
-                    let usage = wgpu::TextureUsages::TEXTURE_BINDING
-                        | wgpu::TextureUsages::RENDER_ATTACHMENT;
-                    let texture = self.gpu.texture(&what, size(desc), 1, desc.format, usage)?;
-                    self.shadow_maps.insert(id, (desc.clone(), texture.clone()));
-                    texture
-                }
-            };
-            textures.insert(desc.name.clone(), (desc.clone(), texture));
-        }
-        Ok(textures)
     }
 
     fn draw_casters(
         &mut self,
         frame: &mut FrameState<'_>,
         (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
-        pass: &CasterPass,
-        textures: &BTreeMap<String, (TextureDesc, wgpu::Texture)>,
+        (pass, clear_color): (&CasterPass, bool),
+        textures: &Textures,
         slots: &[usize],
     ) -> Result<(), RenderError> {
         let Some((desc, texture)) = textures.get(&pass.target) else {
@@ -142,15 +79,23 @@ impl Renderer {
             return Err(bad_plan(setup, &problem));
         };
         check_target(setup, pass, desc)?;
+        let color = match &pass.color {
+            Some(color) => Some(color_target(setup, color, desc, textures)?),
+            None => None,
+        };
         let inputs = PassInputs {
-            pass: "caster",
+            pass: if color.is_some() {
+                "caster_depth"
+            } else {
+                "caster"
+            },
             cause: Some(&light.source.name),
             view_proj: pass.view_proj,
             ambient: Vec3::ZERO,
             light: None,
             vertices: Vertices::Shared,
             state: DrawState {
-                color: None,
+                color: color.as_ref().map(|(state, _)| *state),
                 depth: desc.format,
                 compare: pass.depth_test.compare,
                 write_depth: true,
@@ -166,6 +111,9 @@ impl Renderer {
             array_layer_count: Some(1),
             ..Default::default()
         });
+        let attachments = color
+            .as_ref()
+            .map(|(_, view)| attachment(view, clear_color));
         let mark = frame
             .timer
             .mark(&self.gpu, "casters", Some(&light.source.name));
@@ -173,6 +121,7 @@ impl Renderer {
             .encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("casters"),
+                color_attachments: attachments.as_slice(),
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                     view: &view,
                     depth_ops: Some(wgpu::Operations {
@@ -192,14 +141,6 @@ impl Renderer {
         frame.report.caster_passes += 1;
         frame.report.caster_draws += commands.len() as u32;
         Ok(())
-    }
-}
-
-fn size(desc: &TextureDesc) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width: desc.width,
-        height: desc.height,
-        depth_or_array_layers: desc.shape.layers(),
     }
 }
 
@@ -273,7 +214,80 @@ fn check_target(
     Err(bad_plan(setup, &problem))
 }
 
-fn bad_plan(setup: &MethodSetup<'_>, problem: &str) -> RenderError {
+/// What a pass that writes depth as a colour draws into.
+fn color_target(
+    setup: &MethodSetup<'_>,
+    color: &ColorTarget,
+    depth: &TextureDesc,
+    textures: &Textures,
+) -> Result<(ColorState, wgpu::TextureView), RenderError> {
+    let name = &color.texture;
+    let bad = |problem: String| bad_plan(setup, &problem);
+    let (desc, texture) = textures.get(name).ok_or_else(|| {
+        bad(format!(
+            "the target `{name}`, which is none of its textures"
+        ))
+    })?;
+    let components = desc.format.components();
+    let format = desc.format;
+    let floats = format.sample_type(None, None);
+    let floats = matches!(floats, Some(wgpu::TextureSampleType::Float { .. }));
+    let there = wgpu::ColorWrites::from_bits_truncate((1 << components) - 1);
+    if !floats || !format.has_color_aspect() || desc.shape != TextureShape::D2 {
+        let problem = format!(
+            "depth as a colour into `{name}`, which is not one rectangle of floats ({format:?})"
+        );
+        return Err(bad(problem));
+    }
+    if [desc.width, desc.height] != [depth.width, depth.height] {
+        let problem = format!(
+            "depth as a colour into the {} by {} texels of `{name}` and into the {} by {} of `{}`:              both must be as large",
+            desc.width, desc.height, depth.width, depth.height, depth.name
+        );
+        return Err(bad(problem));
+    }
+    if color.channels.is_empty() || !there.contains(color.channels) {
+        let (wanted, there) = (channel_names(color.channels), channel_names(there));
+        let problem = format!(
+            "depth into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
+        );
+        return Err(bad(problem));
+    }
+    let state = ColorState {
+        format,
+        additive: false,
+        channels: color.channels,
+    };
+    Ok((state, texture.create_view(&Default::default())))
+}
+
+fn channel_names(channels: wgpu::ColorWrites) -> String {
+    let names = [(1, 'r'), (2, 'g'), (4, 'b'), (8, 'a')].into_iter();
+    let set = names.filter(|(bit, _)| channels.bits() & bit != 0);
+    set.map(|(_, name)| name).collect()
+}
+
+/// A colour's attachment; cleared to 0, the farthest, or kept.
+fn attachment(
+    view: &wgpu::TextureView,
+    clear: bool,
+) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let load = match clear {
+        true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+        false => wgpu::LoadOp::Load,
+    };
+    Some(wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    })
+}
+
+pub(super) fn bad_plan(setup: &MethodSetup<'_>, problem: &str) -> RenderError {
     RenderError::BadPlan {
         method: setup.method.name().to_owned(),
         problem: problem.to_owned(),

@@ -68,6 +68,8 @@ fn pass(resolution: u32, view_proj: DMat4) -> Pass {
         cull: None,
         view_proj: view_proj.as_mat4(),
         casters: Vec::new(),
+        color: None,
+        receivers: None,
     })
 }
 

@@ -1,0 +1,196 @@
+//! What a shadow method's shader reads, on the device: textures, samplers, buffers.
+
+use std::collections::BTreeMap;
+
+use umbrage_shadow::{
+    Constants, Contents, Pass, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+};
+
+use super::{
+    Renderer,
+    draw::FrameState,
+    lights::{LightSetup, MethodSetup},
+    shadows::bad_plan,
+};
+use crate::RenderError;
+
+/// What `calc_shadow` reads.
+pub(super) struct ShadowResources {
+    pub(super) constants: Constants,
+    pub(super) textures: BTreeMap<String, (wgpu::TextureFormat, wgpu::TextureView)>,
+    pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
+    /// Not on the device yet: each shader may lay them out in its own way.
+    pub(super) buffers: BTreeMap<String, Value>,
+}
+
+/// A texture kept from frame to frame: which, by the light's number, the method and the name.
+pub(super) type TextureId = (usize, String, String);
+
+/// A plan's textures by name.
+pub(super) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
+
+impl Renderer {
+    /// The plan's textures, kept from the last frame where they are the same, and filled where the plan
+    /// says with what.
+    pub(super) fn textures(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        light: &LightSetup<'_>,
+        setup: &MethodSetup<'_>,
+        plan: &ShadowPlan,
+    ) -> Result<Textures, RenderError> {
+        use wgpu::TextureUsages as Usage;
+        let method = setup.method.name();
+        let mut textures = Textures::new();
+        for desc in &plan.textures {
+            let contents = contents(setup, plan, desc)?;
+            let filled = match contents {
+                Some(_) => Usage::COPY_DST,
+                None => Usage::RENDER_ATTACHMENT,
+            };
+            let usage = Usage::TEXTURE_BINDING | filled;
+            let id = (light.index, method.to_owned(), desc.name.clone());
+            frame.shadow_maps.insert(id.clone());
+            let known = self.shadow_maps.get(&id);
+            let known = known.filter(|(known, kept)| known == desc && kept.usage() == usage);
+            let texture = match known {
+                Some((_, texture)) => texture.clone(),
+                None => {
+                    let what = format!("texture `{}` of light `{}`", desc.name, light.source.name);
+                    let texture = self.gpu.texture(&what, size(desc), 1, desc.format, usage)?;
+                    self.shadow_maps.insert(id, (desc.clone(), texture.clone()));
+                    texture
+                }
+            };
+            if let Some(contents) = contents {
+                self.upload(desc, &texture, contents);
+            }
+            textures.insert(desc.name.clone(), (desc.clone(), texture));
+        }
+        let unknown = |contents: &&Contents| !textures.contains_key(&contents.texture);
+        if let Some(contents) = plan.contents.iter().find(unknown) {
+            let problem = format!(
+                "contents for `{}`, which is none of its textures",
+                contents.texture
+            );
+            return Err(bad_plan(setup, &problem));
+        }
+        Ok(textures)
+    }
+
+    /// What the shader reads of an executed plan.
+    pub(super) fn resources(
+        &self,
+        frame: &mut FrameState<'_>,
+        plan: &ShadowPlan,
+        textures: Textures,
+    ) -> ShadowResources {
+        let mut resources = ShadowResources {
+            constants: plan.constants.clone(),
+            textures: BTreeMap::new(),
+            samplers: BTreeMap::new(),
+            buffers: BTreeMap::new(),
+        };
+        for (desc, texture) in textures.into_values() {
+            let size = size(&desc);
+            let layer = u64::from(size.width) * u64::from(size.height);
+            frame.report.texels += layer * u64::from(size.depth_or_array_layers);
+            frame.report.shadow_bytes += desc.format.theoretical_memory_footprint(size);
+            let view = texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(match desc.shape {
+                    TextureShape::D2 => wgpu::TextureViewDimension::D2,
+                    TextureShape::Cube => wgpu::TextureViewDimension::Cube,
+                }),
+                ..Default::default()
+            });
+            resources.textures.insert(desc.name, (desc.format, view));
+        }
+        for desc in &plan.samplers {
+            let sampler = self.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: desc.filter,
+                min_filter: desc.filter,
+                compare: desc.compare,
+                ..Default::default()
+            });
+            let sampler = (desc.clone(), sampler);
+            resources.samplers.insert(desc.name.clone(), sampler);
+        }
+        for desc in &plan.buffers {
+            let value = desc.value.clone();
+            resources.buffers.insert(desc.name.clone(), value);
+        }
+        resources
+    }
+
+    /// Before whatever is recorded in this frame.
+    fn upload(&self, desc: &TextureDesc, texture: &wgpu::Texture, contents: &Contents) {
+        self.gpu.queue.write_texture(
+            texture.as_image_copy(),
+            &contents.bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: bytes_per_row(desc),
+                rows_per_image: None,
+            },
+            size(desc),
+        );
+    }
+}
+
+fn size(desc: &TextureDesc) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: desc.width,
+        height: desc.height,
+        depth_or_array_layers: desc.shape.layers(),
+    }
+}
+
+/// None for what cannot be filled texel by texel: blocks, and depth.
+fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
+    let format = desc.format;
+    let texels = format.block_dimensions() == (1, 1) && !format.is_depth_stencil_format();
+    let texel = format.block_copy_size(None).filter(|_| texels)?;
+    desc.width.checked_mul(texel)
+}
+
+/// What `plan` fills the texture with, checked.
+fn contents<'a>(
+    setup: &MethodSetup<'_>,
+    plan: &'a ShadowPlan,
+    desc: &TextureDesc,
+) -> Result<Option<&'a Contents>, RenderError> {
+    let name = &desc.name;
+    let mut all = plan.contents.iter().filter(|c| c.texture == *name);
+    let Some(contents) = all.next() else {
+        return Ok(None);
+    };
+    let given = contents.bytes.len() as u64;
+    let drawn = plan.passes.iter().any(|pass| match pass {
+        Pass::Casters(pass) => {
+            let colored = pass.color.as_ref().is_some_and(|c| c.texture == *name);
+            colored || pass.target == *name
+        }
+        _ => false,
+    });
+    let problem = if all.next().is_some() {
+        format!("contents for `{name}` twice")
+    } else if drawn {
+        format!("contents for `{name}`, which a pass draws into as well")
+    } else if desc.shape != TextureShape::D2 {
+        format!("contents for `{name}`, which is not one rectangle")
+    } else {
+        let expected = bytes_per_row(desc).map(|row| u64::from(row) * u64::from(desc.height));
+        match expected {
+            None => format!(
+                "contents for `{name}`, whose format {:?} cannot be filled texel by texel",
+                desc.format
+            ),
+            Some(expected) if expected != given => format!(
+                "{given} bytes for `{name}`, whose {} by {} texels of {:?} take {expected}",
+                desc.width, desc.height, desc.format
+            ),
+            Some(_) => return Ok(Some(contents)),
+        }
+    };
+    Err(bad_plan(setup, &problem))
+}
