@@ -237,7 +237,10 @@ fn only_lights_that_need_a_mask_take_one() {
     for key in &keys {
         let method = key.get("method");
         match key.get("pass") {
-            Some("mask") => assert_eq!(method, Some("basic"), "{key}"),
+            Some("mask") => {
+                assert_eq!(method, Some("basic"), "{key}");
+                assert_eq!(key.get("base_color_texture"), None, "{key}");
+            }
             _ => assert!(matches!(method, None | Some("mask")), "{key}"),
         }
     }
