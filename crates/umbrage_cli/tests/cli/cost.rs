@@ -14,7 +14,7 @@ const BUDGET: &str = "permutations/budget.ron";
 const SMALL: &str = r#"(
     packages: { "umbrage": "SHADERS" },
     keys: [
-        { "pass": ["shadow_term"], "method": All, "surface": All },
+        { "pass": ["shadow_term"], "method": ["basic", "none"], "surface": All },
         { "pass": ["caster"], "alpha_test": All },
     ],
 )"#;

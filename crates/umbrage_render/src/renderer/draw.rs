@@ -147,7 +147,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, object)?;
+            let permutation = self.compose(frame, inputs, object, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.groups.len() {
@@ -191,7 +191,8 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         object: &Object,
     ) -> Result<Command, RenderError> {
-        let permutation = self.compose(frame, inputs, object)?;
+        // The shader is no object's: the material has no say.
+        let permutation = self.compose(frame, inputs, object, None)?;
         let pipeline = self.pipeline(permutation, &inputs.state, false)?;
         let mut groups = Vec::new();
         for (group, layout) in pipeline.groups.iter().enumerate() {
@@ -211,16 +212,18 @@ impl Renderer {
         })
     }
 
-    /// The permutation that `object` needs in this pass, composed on first need.
+    /// The permutation that `object` needs in this pass, for a material where it is one's, composed on
+    /// first need.
     fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         object: &Object,
+        material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
         let light = inputs.light.map(|light| (light.setup, light.masked));
         let library = self.composer.library();
-        let key = lights::key(library, frame.options, inputs.pass, light, &object.material)?;
+        let key = lights::key(library, frame.options, inputs.pass, light, material)?;
         if let Some(known) = frame.composed.get(&key) {
             return Ok(Arc::clone(known));
         }

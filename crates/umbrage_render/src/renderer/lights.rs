@@ -197,25 +197,23 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
         .unwrap_or_default()
 }
 
-/// The key of a draw of `material` in `pass`, for `light` where the pass is for one; `masked` where it
-/// reads the light's mask.
+/// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
+/// for one, and whether it reads the light's mask.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
     light: Option<(&LightSetup<'_>, bool)>,
-    material: &Material,
+    material: Option<&Material>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
-    let mut choices = BTreeMap::from([
-        ("pass", pass),
-        ("surface", material.surface.as_str()),
-        ("alpha_test", switch(material.alpha_cutoff.is_some())),
-        (
-            "base_color_texture",
-            switch(material.base_color_texture.is_some()),
-        ),
-    ]);
+    let mut choices = BTreeMap::from([("pass", pass)]);
+    if let Some(material) = material {
+        let textured = material.base_color_texture.is_some();
+        choices.insert("surface", material.surface.as_str());
+        choices.insert("alpha_test", switch(material.alpha_cutoff.is_some()));
+        choices.insert("base_color_texture", switch(textured));
+    }
     choices.extend(
         options
             .axes
