@@ -6,6 +6,8 @@
 
 pub mod basic;
 pub mod basic_twin;
+mod job;
+pub mod pssm;
 
 use umbrage_shadow::{Registry, RegistryError};
 
@@ -16,5 +18,6 @@ use umbrage_shadow::{Registry, RegistryError};
 pub fn registry() -> Result<Registry, RegistryError> {
     let mut registry = Registry::new();
     registry.register(basic::Basic)?;
+    registry.register(pssm::Pssm)?;
     Ok(registry)
 }
