@@ -89,7 +89,7 @@ impl Job {
             depth_bias: setting("depth_bias"),
             band: setting("band"),
             width: job::filter_width(frame)?,
-            lookup: Lookup::of(frame)?,
+            lookup: Lookup::of(frame, setting("splits") as usize)?,
             transition,
             stable: fit == "stable",
         })

@@ -45,7 +45,7 @@ use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
 };
 
-pub(crate) use lookup::Lookup;
+use lookup::Lookup;
 
 /// The method `pssm`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,7 +67,7 @@ const SETTINGS: [Setting; 6] = [
         doc: "from splits of equal lengths (0) to splits of equal ratios (1)",
         min: 0.0,
         max: 1.0,
-        default: 0.75,
+        default: 1.0,
         whole: false,
     },
     Setting {
