@@ -1,8 +1,10 @@
 //! What the tests of every permutation share: a scene that a key chooses, and an oracle for its shadow
 //! term that uses nothing of the GPU.
 
+mod colored;
 mod oracle;
 mod stage;
 
+pub use colored::{Colored, colored_package};
 pub use oracle::{Oracle, Pixel};
 pub use stage::{Stage, stage};

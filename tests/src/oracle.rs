@@ -199,6 +199,30 @@ impl<'a> Oracle<'a> {
         })
     }
 
+    /// The least and the greatest depth that the first map holds where the pixel's surface falls into
+    /// it: what a caster's pass wrote there, or 0 where it wrote nothing.
+    pub fn stored(&self, x: u32, y: u32, width: u32, height: u32) -> Pixel {
+        // Less than this a device is off when it looks for the texel, in texels.
+        const ROUNDING: f64 = 1e-3;
+        let position = match self.receiver(x, y, width, height) {
+            Ok((position, _)) => position,
+            Err(none) => return none,
+        };
+        let Some(Pass::Casters(pass)) = self.plan.passes.first() else {
+            return Pixel::Background;
+        };
+        let ndc = pass.view_proj.as_dmat4().project_point3(position);
+        let size = f64::from(pass.viewport.width);
+        let place = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
+        let around = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, y)| {
+            let texel = (place + DVec2::new(x, y) * ROUNDING).as_uvec2();
+            self.texel(0, texel.x, texel.y)
+        });
+        let dark = around.iter().map(|range| range.0).fold(1.0, f32::min);
+        let lit = around.iter().map(|range| range.1).fold(0.0, f32::max);
+        Pixel::Term(dark.into(), lit.into())
+    }
+
     /// What the pixel sees, and where (metres, relative to the camera).
     fn see(&self, x: u32, y: u32, width: u32, height: u32) -> Result<(Hit, DVec3), Pixel> {
         let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);

@@ -16,8 +16,9 @@ use rayon::prelude::*;
 use umbrage::{
     compose::{Composer, Key, Library, Manifest, Target},
     render::{Gpu, Picture, RenderOptions, Rendered, Renderer, What},
+    shadow::Registry,
 };
-use umbrage_tests::{Oracle, Pixel, Stage, stage};
+use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
 
 const SIZE: u32 = 40;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
@@ -54,8 +55,17 @@ fn permutations(composer: &Composer) -> Vec<Key> {
     distinct.into_values().collect()
 }
 
+/// With a method of the tests' own, which no manifest knows.
 fn library() -> Library {
-    umbrage::shader_library().expect("the shader library is sound")
+    let ours = umbrage::shader_package().expect("the shader library is sound");
+    let colored = colored_package().expect("the test's own is sound");
+    Library::new([ours, colored]).expect("they fit together")
+}
+
+fn registry() -> Registry {
+    let mut registry = umbrage::methods::registry().expect("names are unique");
+    registry.register(Colored).expect("names are unique");
+    registry
 }
 
 struct Studio {
@@ -69,7 +79,7 @@ impl Studio {
     fn new() -> Self {
         let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
         let composer = Arc::new(Composer::new(library(), Target::webgpu()));
-        let registry = umbrage::methods::registry().expect("names are unique");
+        let registry = registry();
         let renderer = Renderer::new(gpu, composer.clone(), registry);
         Self {
             renderer,
@@ -113,9 +123,15 @@ impl Studio {
             return Some(format!("{key} was not drawn"));
         }
         let wrong = match (&rendered.picture, value("pass")) {
-            (Picture::ShadowTerm(terms), _) => compare(&self.expected(key, &drawn), |pixel| {
-                Some(f64::from(terms[0][pixel]))
-            }),
+            (Picture::ShadowTerm(terms), pass) => {
+                let rounding = match pass {
+                    "caster_depth" => DEPTH_ROUNDING,
+                    _ => ROUNDING,
+                };
+                compare(&self.expected(key, &drawn), rounding, |pixel| {
+                    Some(f64::from(terms[0][pixel]))
+                })
+            }
             (Picture::Fetches(counts), _) => {
                 let promised = rendered.report.fetches_per_pixel;
                 compare_all(&drawn, &counts[0], 0.0, |oracle, x, y| {
@@ -131,7 +147,7 @@ impl Studio {
             (_, "base") => None,
             (Picture::Shaded(colors), _) => {
                 let unshadowed = self.unshadowed(key);
-                compare(&self.expected(key, &drawn), |pixel| {
+                compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
                     let brightest =
                         |color: [f32; 3]| f64::from(color[0].max(color[1]).max(color[2]));
                     let lit = brightest(unshadowed[pixel]);
@@ -148,13 +164,18 @@ impl Studio {
         // What draws no light of its own is drawn under a shadow method's, casters and all.
         let method = library.axes().value(key, "method").unwrap_or("none");
         let pass = library.axes().value(key, "pass").unwrap_or("");
-        let key = if pass == "caster" && method == "none" {
-            let choices = key.choices().filter(|(axis, _)| *axis != "method");
-            library
-                .key(choices.chain([("method", "basic")]))
-                .expect("a caster under basic")
-        } else {
-            key.clone()
+        let caster_of = match pass {
+            "caster" if method == "none" => Some("basic"),
+            "caster_depth" => Some("colored"),
+            _ => None,
+        };
+        let key = match caster_of {
+            Some(method) => {
+                let choices = key.choices().filter(|(axis, _)| *axis != "method");
+                let key = library.key(choices.chain([("method", method)]));
+                key.expect("a caster under a method")
+            }
+            None => key.clone(),
         };
         stage(library, &key, RESOLUTION)
     }
@@ -174,16 +195,21 @@ impl Studio {
             .iter()
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
-        let caster = axes.value(key, "pass") == Some("caster");
-        let name = format!("{name:?} {caster}");
+        let pass = axes.value(key, "pass").unwrap_or("");
+        let drawn_by_its_own = ["caster", "caster_depth"].contains(&pass);
+        let name = format!("{name:?} {}", if drawn_by_its_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();
         }
-        let registry = umbrage::methods::registry().expect("names are unique");
+        let registry = registry();
         let oracle =
             Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
+        let pixel = |x, y| match pass {
+            "caster_depth" => oracle.stored(x, y, SIZE, SIZE),
+            _ => oracle.pixel(x, y, SIZE, SIZE),
+        };
         let pixels: Vec<_> = (0..SIZE * SIZE)
-            .map(|i| oracle.pixel(i % SIZE, i / SIZE, SIZE, SIZE))
+            .map(|i| pixel(i % SIZE, i / SIZE))
             .collect();
         self.terms.insert(name, pixels.clone());
         pixels
@@ -210,10 +236,18 @@ impl Studio {
     }
 }
 
+/// Bilinear weights have 8 bits on many devices, and colours 11.
+const ROUNDING: f64 = 0.005;
+
+/// Depth is all floats: a device interpolates a few units in the last of 1 off.
+const DEPTH_ROUNDING: f64 = 1e-5;
+
 /// How the rendered terms differ from the expected ones, where they do by more than rounding.
-fn compare(expected: &[Pixel], rendered: impl Fn(usize) -> Option<f64>) -> Option<String> {
-    // Bilinear weights have 8 bits on many devices, and colours 11.
-    const ROUNDING: f64 = 0.005;
+fn compare(
+    expected: &[Pixel],
+    rounding: f64,
+    rendered: impl Fn(usize) -> Option<f64>,
+) -> Option<String> {
     let (mut compared, mut wrong, mut worst, mut vague) = (0u32, 0u32, 0.0f64, 0u32);
     for (pixel, expected) in expected.iter().enumerate() {
         let (&Pixel::Term(dark, lit), Some(term)) = (expected, rendered(pixel)) else {
@@ -224,7 +258,7 @@ fn compare(expected: &[Pixel], rendered: impl Fn(usize) -> Option<f64>) -> Optio
         worst = worst.max(off);
         vague += u32::from(lit - dark > 0.2);
         // NaN is wrong, too.
-        wrong += u32::from(off.is_nan() || off > ROUNDING);
+        wrong += u32::from(off.is_nan() || off > rounding);
     }
     // An oracle that allows anything would agree with anything.
     let sharp = compared > SIZE * SIZE / 2 && vague < compared / 25;
@@ -241,7 +275,7 @@ fn compare_all<T: PartialEq + Copy + std::fmt::Debug>(
     nothing: T,
     expected: impl Fn(&Oracle<'_>, u32, u32) -> Result<T, Pixel>,
 ) -> Option<String> {
-    let registry = umbrage::methods::registry().expect("names are unique");
+    let registry = registry();
     let oracle = Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
     let expected: Vec<_> = (0..SIZE * SIZE)
         .map(|pixel| expected(&oracle, pixel % SIZE, pixel / SIZE))

@@ -40,7 +40,9 @@ impl Alias {
 ///
 /// The maps are the viewports of the plan's caster passes. Each is the projection that its matrix is,
 /// so any will do: orthographic, a spot light's, a cube's faces, a warped one. Of those that hold a
-/// point the one with the smallest texel there counts: what the plan could give at best. A texel (a
+/// point, the one counts that is [read at its view depth](umbrage_shadow::CasterPass::receivers); where
+/// the plan does not tell, or several are, the one with the smallest texel there: what the plan could
+/// give at best. A texel (a
 /// pixel) is as wide as the square of its area: 1 / √|det| of the derivative of texels (pixels) by metres
 /// along two directions perpendicular to the light's ray (the line of sight).
 ///
@@ -72,7 +74,7 @@ pub(super) struct Texel {
     pub(super) alias: Option<Alias>,
 }
 
-/// The finest texel of the plan's maps at each pixel.
+/// The texel of the plan's maps that each pixel reads, as far as the plan tells.
 pub(super) fn texels(
     surface: &Surface,
     scene: &Scene,
@@ -83,27 +85,52 @@ pub(super) fn texels(
     let maps: Vec<_> = plan.passes.iter().filter_map(map).collect();
     let texel = |facet: &Option<Facet>| {
         let facet = facet.as_ref()?;
+        let depth = facet.position.dot(surface.forward);
+        let holding = maps
+            .iter()
+            .filter(|map| map.cells.place(facet.position).is_some());
+        let (read, others): (Vec<_>, Vec<_>) = holding.partition(|map| map.is_read_at(depth));
+        // Between two ranges, or beyond all, what the shader reads is not known.
+        let maps = if read.is_empty() { others } else { read };
         Texel::new(facet, &lamp, &maps, &surface.picture)
     };
     surface.facets.par_iter().map(texel).collect()
 }
 
-/// The map that a pass draws.
-fn map(pass: &Pass) -> Option<Cells> {
+/// A map that a pass draws.
+struct Map {
+    cells: Cells,
+    /// The view depths that it is read for; metres.
+    receivers: Option<[f64; 2]>,
+}
+
+impl Map {
+    /// Whether a receiver at a view depth reads it for sure.
+    fn is_read_at(&self, depth: f64) -> bool {
+        let range = self.receivers.as_ref();
+        range.is_none_or(|[near, far]| (*near..=*far).contains(&depth))
+    }
+}
+
+fn map(pass: &Pass) -> Option<Map> {
     let Pass::Casters(pass) = pass else {
         return None;
     };
     let size = [pass.viewport.width, pass.viewport.height].map(f64::from);
-    Some(Cells::new(pass.view_proj.as_dmat4(), DVec2::from(size)))
+    Some(Map {
+        cells: Cells::new(pass.view_proj.as_dmat4(), DVec2::from(size)),
+        receivers: pass.receivers,
+    })
 }
 
 impl Texel {
-    fn new(facet: &Facet, lamp: &Lamp, maps: &[Cells], picture: &Cells) -> Option<Self> {
+    /// The finest texel of `maps`, all of which hold the facet's middle.
+    fn new(facet: &Facet, lamp: &Lamp, maps: &[&Map], picture: &Cells) -> Option<Self> {
         let point = facet.position;
         let to_light = lamp.middle(point).0.try_normalize()?;
-        let holding = maps.iter().filter(|map| map.place(point).is_some());
-        let texel = holding
-            .map(|map| map.across(point, to_light))
+        let texel = maps
+            .iter()
+            .map(|map| map.cells.across(point, to_light))
             .filter(|texel| texel.width().is_finite())
             .min_by(|a, b| a.width().total_cmp(&b.width()))?;
         let metres = texel.cells.inverse();

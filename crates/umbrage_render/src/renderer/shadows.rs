@@ -247,9 +247,9 @@ fn color_target(
         return Err(bad(problem));
     }
     if color.channels.is_empty() || !there.contains(color.channels) {
+        let (wanted, there) = (channel_names(color.channels), channel_names(there));
         let problem = format!(
-            "{:?} of `{name}`, whose format {format:?} has {there:?}",
-            color.channels
+            "depth into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
         );
         return Err(bad(problem));
     }
@@ -259,6 +259,12 @@ fn color_target(
         channels: color.channels,
     };
     Ok((state, texture.create_view(&Default::default())))
+}
+
+fn channel_names(channels: wgpu::ColorWrites) -> String {
+    let names = [(1, 'r'), (2, 'g'), (4, 'b'), (8, 'a')].into_iter();
+    let set = names.filter(|(bit, _)| channels.bits() & bit != 0);
+    set.map(|(_, name)| name).collect()
 }
 
 /// A colour's attachment; cleared to 0, the farthest, or kept.

@@ -271,3 +271,55 @@ fn what_grazes_is_taken_at_87_degrees() {
     assert!(close(texel.pixels, 20.0 * 0.25 / pixel), "{texel:?}");
     assert!(texel.alias.is_some_and(|alias| alias.projection > 1e8));
 }
+
+/// Three maps over one another, the coarsest for what is nearest: a pixel reads the one for its depth,
+/// and the finest where none is for it.
+#[test]
+fn the_map_that_is_read_counts_and_not_the_finest() {
+    let direction = DVec3::new(0.5, -1.0, 0.2).normalize();
+    let eye = DVec3::new(2.0, 3.0, 4.0);
+    let scene = floor_from(eye, LightKind::Directional { direction });
+    let sight = look(&scene, 40, 40);
+    let forward = scene.camera.view(40, 40).forward();
+    let seen = sight.seen().iter().flatten();
+    let mut depths: Vec<_> = seen.map(|seen| seen.position.dot(forward)).collect();
+    depths.sort_by(f64::total_cmp);
+    // Between two depths: what is at both ends of a range is in two.
+    let at = |share: f64| depths[(share * depths.len() as f64) as usize] + 1e-7;
+    // A gap between the last two, and nothing beyond.
+    let ranges = [[0.0, at(0.2)], [at(0.2), at(0.5)], [at(0.6), at(0.8)]];
+    let resolutions = [32, 256, 64];
+    let of = |resolution| sun_plan(&scene, direction, 100.0, resolution);
+    let mut splits = plan(Vec::new(), 1.5);
+    for (range, resolution) in ranges.into_iter().zip(resolutions) {
+        for mut map in of(resolution).passes {
+            if let umbrage_shadow::Pass::Casters(pass) = &mut map {
+                pass.receivers = Some(range);
+            }
+            splits.passes.push(map);
+        }
+    }
+    let alone = resolutions.map(|resolution| of_picture(&scene, &of(resolution), 40));
+    let found = of_picture(&scene, &splits, 40);
+    let mut counts = [0; 4];
+    for (pixel, seen) in sight.seen().iter().enumerate() {
+        let Some(seen) = seen else { continue };
+        let depth = seen.position.dot(forward);
+        let split = ranges.iter().position(|[a, b]| (*a..=*b).contains(&depth));
+        assert_eq!(found[pixel], alone[split.unwrap_or(1)][pixel], "{depth} m");
+        counts[split.unwrap_or(3)] += 1;
+    }
+    assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
+    // A range whose map does not hold the point is not read: the rest decides as without it.
+    for pass in &mut splits.passes[..1] {
+        if let umbrage_shadow::Pass::Casters(pass) = pass {
+            pass.view_proj = glam::Mat4::from_translation(glam::Vec3::X * 9.0);
+        }
+    }
+    let beside = of_picture(&scene, &splits, 40);
+    let (near, _) = (0..)
+        .zip(sight.seen())
+        .find(|(_, seen)| seen.is_some_and(|seen| seen.position.dot(forward) < at(0.2)))
+        .expect("the nearest");
+    assert_eq!(beside[near], alone[1][near]);
+}
