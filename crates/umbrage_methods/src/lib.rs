@@ -8,6 +8,8 @@ pub mod basic;
 pub mod basic_twin;
 mod job;
 pub mod pssm;
+pub mod pssm_twin;
+mod twin_filter;
 
 use umbrage_shadow::{Registry, RegistryError};
 
