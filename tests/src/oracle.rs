@@ -218,7 +218,14 @@ impl<'a> Oracle<'a> {
         let (position, normal) = self.receiver(x, y, width, height)?;
         let twin = match &self.twin {
             None => return Ok(0),
-            Some(Twin::Pssm(twin)) => return Ok(twin.fetches(position)),
+            Some(Twin::Pssm(twin)) => {
+                let [least, most] = twin.fetches(position);
+                return if least == most {
+                    Ok(least)
+                } else {
+                    Err(Pixel::Edge)
+                };
+            }
             Some(Twin::Basic(twin)) => twin,
         };
         let reads = Cell::new(false);

@@ -107,24 +107,31 @@ impl PssmTwin {
         [near.min(far), near.max(far)]
     }
 
-    /// How many fetches the shader makes at `position_ws`.
-    pub fn fetches(&self, position_ws: DVec3) -> u32 {
+    /// The least and the most fetches that the shader makes at `position_ws`: they may differ where noise decides.
+    pub fn fetches(&self, position_ws: DVec3) -> [u32; 2] {
         let Some((split, share)) = self.split(position_ws) else {
-            return 0;
+            return [0; 2];
         };
-        let inside = |split: &Split| split.place(position_ws, DVec3::ZERO).is_some();
+        let near = self.fetches_of(split, position_ws);
+        if share == 0.0 {
+            return [near; 2];
+        }
+        let far = self.fetches_of(split + 1, position_ws);
+        if self.choice.transition == "blend" {
+            return [near + far; 2];
+        }
+        [near.min(far), near.max(far)]
+    }
+
+    fn fetches_of(&self, number: usize, position_ws: DVec3) -> u32 {
+        let inside = |split: &Split| u32::from(split.place(position_ws, DVec3::ZERO).is_some());
         let taps = self.width.div_ceil(2);
-        let filter = |split: &Split| u32::from(inside(split)) * taps * taps;
-        let of = |number: usize| match self.choice.lookup.as_str() {
+        let filter = |split: &Split| inside(split) * taps * taps;
+        match self.choice.lookup.as_str() {
             "matrix_texture" => 5 + filter(&self.splits[number]),
             "weights" => self.splits.iter().map(filter).sum(),
-            "channels" => u32::from(inside(&self.splits[number])) * (self.width + 1).pow(2),
+            "channels" => inside(&self.splits[number]) * (self.width + 1).pow(2),
             _ => filter(&self.splits[number]),
-        };
-        if share > 0.0 && self.choice.transition == "blend" {
-            of(split) + of(split + 1)
-        } else {
-            of(split)
         }
     }
 
