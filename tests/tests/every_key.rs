@@ -15,7 +15,7 @@ use std::{
 use rayon::prelude::*;
 use umbrage::{
     compose::{Composer, Key, Library, Manifest, Target},
-    render::{Gpu, Picture, RenderOptions, Rendered, Renderer, What},
+    render::{Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
     shadow::Registry,
 };
 use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
@@ -92,11 +92,12 @@ impl Studio {
         }
     }
 
-    fn render(&mut self, stage: &Stage, what: What) -> Rendered {
+    fn render(&mut self, stage: &Stage, what: What, path: Way) -> Rendered {
         let options = RenderOptions {
             width: SIZE,
             height: SIZE,
             what,
+            path,
             ..RenderOptions::default()
         };
         self.renderer
@@ -115,7 +116,9 @@ impl Studio {
             "triangle" => What::Triangles,
             _ => What::ShadowTerm,
         };
-        let rendered = self.render(&drawn, what);
+        let masked = value("method") == "mask" || ["linear_depth", "mask"].contains(&value("pass"));
+        let path = if masked { Way::Mask } else { Way::Forward };
+        let rendered = self.render(&drawn, what, path);
         let projected = self.composer.project(key).expect("it was projected before");
         if !rendered
             .report
@@ -168,7 +171,9 @@ impl Studio {
         let method = library.axes().value(key, "method").unwrap_or("none");
         let pass = library.axes().value(key, "pass").unwrap_or("");
         let caster_of = match pass {
-            "caster" if method == "none" => Some("basic"),
+            "caster" | "linear_depth" if method == "none" => Some("basic"),
+            // Whatever method a mask is of, its readers are the same.
+            _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
             _ => None,
         };
@@ -201,8 +206,8 @@ impl Studio {
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let drawn_by_its_own = ["caster", "caster_depth"].contains(&pass);
-        let name = format!("{name:?} {}", if drawn_by_its_own { pass } else { "" });
+        let methods_own = ["caster", "caster_depth", "linear_depth"].contains(&pass);
+        let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();
         }
@@ -232,7 +237,11 @@ impl Studio {
         if let Some(done) = self.unshadowed.get(&plain.to_string()) {
             return done.clone();
         }
-        let rendered = self.render(&stage(&library, &plain, RESOLUTION), What::Shaded);
+        let rendered = self.render(
+            &stage(&library, &plain, RESOLUTION),
+            What::Shaded,
+            Way::Forward,
+        );
         let Picture::Shaded(colors) = rendered.picture else {
             unreachable!("a shaded picture was asked for")
         };

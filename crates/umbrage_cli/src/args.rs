@@ -53,6 +53,9 @@ pub(crate) struct RenderArgs {
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) what: What,
+    /// How shadow terms come to where light is added: the picture is the same.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) path: Path,
     /// The picture to write.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
@@ -154,6 +157,15 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Path {
+    /// In each object's own shader.
+    #[default]
+    Forward,
+    /// In a pass over the picture, into a mask that the objects' shaders read.
+    Mask,
 }
 
 #[derive(Args)]

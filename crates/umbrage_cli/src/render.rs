@@ -12,7 +12,7 @@ use umbrage::{
 };
 
 use crate::{
-    args::{RenderArgs, What},
+    args::{self, RenderArgs, What},
     output::{check_picture, print_json, waiting},
 };
 
@@ -45,9 +45,9 @@ struct Used<'a> {
     /// The light that it was needed for, where one was: the light that the object lay in, or whose shadow
     /// it was drawn for.
     light: Option<&'a str>,
-    /// Whether it draws casters.
+    /// Whether it draws casters, or a mask.
     #[serde(skip)]
-    caster: bool,
+    shadow: bool,
 }
 
 pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
@@ -94,6 +94,10 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::Fetches => render::What::Fetches,
         },
         method: args.method.clone(),
+        path: match args.path {
+            args::Path::Forward => render::Path::Forward,
+            args::Path::Mask => render::Path::Mask,
+        },
         ..RenderOptions::default()
     }
 }
@@ -108,7 +112,10 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
         },
         object: &used.object,
         light: used.light.as_deref(),
-        caster: used.key.get("pass") == Some("caster"),
+        shadow: matches!(
+            used.key.get("pass"),
+            Some("caster" | "caster_depth" | "mask")
+        ),
     };
     Report {
         picture: &args.out,
@@ -127,7 +134,7 @@ fn tell(report: &Report<'_>) {
     for used in &report.permutations.used {
         let light = used
             .light
-            .map(|light| match used.caster {
+            .map(|light| match used.shadow {
                 true => format!(" for the shadow of {light}"),
                 false => format!(" in the light of {light}"),
             })

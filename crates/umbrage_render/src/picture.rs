@@ -55,6 +55,10 @@ pub struct Report {
     pub texels: u64,
     /// Bytes of these textures, by their formats; what a driver adds is not known.
     pub shadow_bytes: u64,
+    /// Bytes of what the [mask path](crate::Path::Mask) keeps beside the picture, by its formats: 20 a pixel,
+    /// 16 for the planes that are seen and 4 for the mask, which all lights share; 0 where no light has a
+    /// mask.
+    pub mask_bytes: u64,
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
     pub fetches_per_pixel: u32,

@@ -36,6 +36,7 @@ impl Renderer {
         };
         let commands = self.prepare(frame, &base, &shot.visible)?;
         self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
+        let mut masks = None;
         for light in &shot.lights {
             let lit = lit(frame, shot, light);
             if lit.is_empty() {
@@ -47,8 +48,12 @@ impl Renderer {
                 setup: light,
                 constants: &constants,
                 shadow: shadow.as_ref(),
+                masked: false,
             };
-            let state = camera_state(format, true, shadow.as_ref());
+            let to = (&target, false);
+            let mask = self.mask(frame, shot, to, &mut masks, (reads, &lit))?;
+            let reads = masked(reads, mask.as_ref());
+            let state = camera_state(format, true, reads.shadow);
             let inputs = inputs(shot, "illumination", Some(reads), state);
             let commands = self.prepare(frame, &inputs, &lit)?;
             self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
@@ -88,6 +93,7 @@ impl Renderer {
         let format = wgpu::TextureFormat::R32Float;
         let target = self.target(frame, format)?;
         let mut pictures = Vec::new();
+        let mut masks = None;
         for light in &shot.lights {
             let lit = lit(frame, shot, light);
             let shadow = if lit.is_empty() {
@@ -100,8 +106,16 @@ impl Renderer {
                 setup: light,
                 constants: &constants,
                 shadow: shadow.as_ref(),
+                masked: false,
             };
-            let state = camera_state(format, false, shadow.as_ref());
+            // What is counted is what a method fetches, and no mask is one.
+            let mask = if pass == "shadow_term" {
+                self.mask(frame, shot, (&target, true), &mut masks, (reads, &lit))?
+            } else {
+                None
+            };
+            let reads = masked(reads, mask.as_ref());
+            let state = camera_state(format, false, reads.shadow);
             let mut commands =
                 self.prepare(frame, &inputs(shot, pass, Some(reads), state), &lit)?;
             // What the light does not reach hides what lies behind it, is shaded by nothing, and is drawn
@@ -225,6 +239,18 @@ fn inputs<'a>(
         light: reads,
         vertices: Vertices::Shared,
         state,
+    }
+}
+
+/// What a shader reads that finds the shadow term in `mask`, if there is one.
+fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> LightInputs<'a> {
+    match mask {
+        None => reads,
+        Some(_) => LightInputs {
+            shadow: mask,
+            masked: true,
+            ..reads
+        },
     }
 }
 

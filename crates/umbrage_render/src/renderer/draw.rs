@@ -14,6 +14,7 @@ use super::{
     RenderOptions, Renderer,
     assets::{self, GpuMesh, Vertices},
     lights::{self, LightSetup},
+    masks::SEEN_PLANES,
     objects::{Objects, Run},
     pipelines::{DrawState, Pipeline},
     resources::{ShadowResources, TextureId},
@@ -33,6 +34,10 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
+    /// What is seen, where it was laid down for masks.
+    pub(super) planes: Option<wgpu::TextureView>,
+    /// The members of the shader's block `rays`.
+    rays: Constants,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
@@ -62,13 +67,16 @@ pub(super) struct LightInputs<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: &'a Constants,
     pub(super) shadow: Option<&'a ShadowResources>,
+    /// Whether the shadow term is read from a mask.
+    pub(super) masked: bool,
 }
 
 /// A draw, ready to be recorded.
 pub(super) struct Command {
     pipeline: Arc<Pipeline>,
     groups: Vec<Option<wgpu::BindGroup>>,
-    mesh: Arc<GpuMesh>,
+    /// None for one triangle around the picture.
+    mesh: Option<Arc<GpuMesh>>,
     instances: Range<u32>,
 }
 
@@ -78,8 +86,11 @@ impl<'a> FrameState<'a> {
         objects: Objects<'a>,
         encoder: wgpu::CommandEncoder,
         timer: Timer,
+        rays: Constants,
     ) -> Self {
         Self {
+            planes: None,
+            rays,
             options,
             objects,
             encoder,
@@ -102,12 +113,16 @@ pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
                 pass.set_bind_group(group as u32, bound, &[]);
             }
         }
+        let Some(mesh) = &command.mesh else {
+            pass.draw(0..3, command.instances.clone());
+            continue;
+        };
         for (slot, location) in command.pipeline.attributes.iter().enumerate() {
-            if let Some(buffer) = command.mesh.attribute(*location) {
+            if let Some(buffer) = mesh.attribute(*location) {
                 pass.set_vertex_buffer(slot as u32, buffer.slice(..));
             }
         }
-        command.mesh.draw(pass, command.instances.clone());
+        mesh.draw(pass, command.instances.clone());
     }
 }
 
@@ -132,7 +147,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, object)?;
+            let permutation = self.compose(frame, inputs, object, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.groups.len() {
@@ -161,7 +176,7 @@ impl Renderer {
             commands.push(Command {
                 pipeline,
                 groups,
-                mesh,
+                mesh: Some(mesh),
                 instances,
             });
         }
@@ -169,16 +184,46 @@ impl Renderer {
         Ok(commands)
     }
 
-    /// The permutation that `object` needs in this pass, composed on first need.
+    /// The command that draws one triangle around the picture, for the sake of `object`.
+    pub(super) fn prepare_screen(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        object: &Object,
+    ) -> Result<Command, RenderError> {
+        // The shader is no object's: the material has no say.
+        let permutation = self.compose(frame, inputs, object, None)?;
+        let pipeline = self.pipeline(permutation, &inputs.state, false)?;
+        let mut groups = Vec::new();
+        for (group, layout) in pipeline.groups.iter().enumerate() {
+            groups.push(match layout {
+                Some(layout) => {
+                    Some(self.bind(frame, inputs, &pipeline, (group, layout), object)?)
+                }
+                None => None,
+            });
+        }
+        frame.report.draws += 1;
+        Ok(Command {
+            pipeline,
+            groups,
+            mesh: None,
+            instances: 0..1,
+        })
+    }
+
+    /// The permutation that `object` needs in this pass, for a material where it is one's, composed on
+    /// first need.
     fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         object: &Object,
+        material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| light.setup);
+        let light = inputs.light.map(|light| (light.setup, light.masked));
         let library = self.composer.library();
-        let key = lights::key(library, frame.options, inputs.pass, light, &object.material)?;
+        let key = lights::key(library, frame.options, inputs.pass, light, material)?;
         if let Some(known) = frame.composed.get(&key) {
             return Ok(Arc::clone(known));
         }
@@ -321,6 +366,13 @@ impl Renderer {
                     .with("ambient", Value::Vec3(inputs.ambient));
                 self.uniform(key, binding, &constants)
             }
+            ("rays", _) => self.uniform(key, binding, &frame.rays),
+            (SEEN_PLANES, BindingKind::Texture { .. }) => {
+                let nothing = "what passes before the masks give";
+                let planes = frame.planes.clone();
+                let planes = planes.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(planes))
+            }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
                     return Ok(Resource::Buffer(known.clone()));
@@ -337,7 +389,7 @@ impl Renderer {
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame` and `instances`",
+                "what the frame gives, `frame`, `rays`, `instances` and, to a mask, `seen_planes`",
             )),
         }
     }

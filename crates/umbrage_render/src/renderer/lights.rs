@@ -197,30 +197,30 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
         .unwrap_or_default()
 }
 
-/// The key of a draw of `material` in `pass`, for `light` where the pass is for one.
+/// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
+/// for one, and whether it reads the light's mask.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
-    light: Option<&LightSetup<'_>>,
-    material: &Material,
+    light: Option<(&LightSetup<'_>, bool)>,
+    material: Option<&Material>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
-    let mut choices = BTreeMap::from([
-        ("pass", pass),
-        ("surface", material.surface.as_str()),
-        ("alpha_test", switch(material.alpha_cutoff.is_some())),
-        (
-            "base_color_texture",
-            switch(material.base_color_texture.is_some()),
-        ),
-    ]);
+    let mut choices = BTreeMap::from([("pass", pass)]);
+    if let Some(material) = material {
+        let textured = material.base_color_texture.is_some();
+        choices.insert("surface", material.surface.as_str());
+        choices.insert("alpha_test", switch(material.alpha_cutoff.is_some()));
+        choices.insert("base_color_texture", switch(textured));
+    }
     choices.extend(
         options
             .axes
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
+    let (light, masked) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.
     if kind != Some("spot") {
@@ -231,7 +231,9 @@ pub(super) fn key(
         if kind == "spot" && light.source.cookie.is_some() {
             choices.insert("cookie", "on");
         }
-        if let Some(setup) = &light.method {
+        if masked == Some(true) {
+            choices.insert("method", "mask");
+        } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
         }

@@ -4,6 +4,7 @@ mod assets;
 mod camera;
 mod draw;
 mod lights;
+mod masks;
 mod objects;
 mod pipelines;
 mod resources;
@@ -62,6 +63,8 @@ pub struct RenderOptions {
     pub axes: BTreeMap<String, String>,
     /// Values for settings of the lights' methods, put in place of the scene's.
     pub settings: BTreeMap<String, f64>,
+    /// How shadow terms come to where light is added.
+    pub path: Path,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
@@ -81,6 +84,21 @@ pub enum What {
     Fetches,
 }
 
+/// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
+/// about. The methods do not know which it is, and the pictures are the same up to rounding: the mask
+/// path finds a position again from linear depth, along the ray through the pixel's middle, and a
+/// rasteriser's own may be off by its grid, 1/256 pixel on most devices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Path {
+    /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
+    #[default]
+    Forward,
+    /// In a pass of its own over the picture, into a shadow mask that the object's shader reads: one
+    /// permutation a light and method, whatever the surfaces; for
+    /// [`mask_bytes`](crate::Report::mask_bytes) more memory, and one more pass over the objects.
+    Mask,
+}
+
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
@@ -90,6 +108,7 @@ impl Default for RenderOptions {
             method: None,
             axes: BTreeMap::new(),
             settings: BTreeMap::new(),
+            path: Path::Forward,
             timed: false,
         }
     }
@@ -186,6 +205,7 @@ impl Renderer {
             objects,
             encoder,
             Timer::new(&self.gpu, options.timed),
+            masks::rays(&shot.view, options),
         );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,

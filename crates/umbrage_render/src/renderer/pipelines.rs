@@ -17,7 +17,7 @@ pub(super) struct DrawState {
     pub(super) write_depth: bool,
     pub(super) cull: Option<wgpu::Face>,
     pub(super) front: wgpu::FrontFace,
-    /// Names of textures and samplers in the light's group that are not to be filtered.
+    /// Names of textures and samplers in the pass's and the light's group that are not to be filtered.
     pub(super) unfiltered: BTreeSet<String>,
 }
 
@@ -199,7 +199,7 @@ fn group_layouts(
     for group in 0..count {
         let mut entries = Vec::new();
         for binding in bindings.iter().filter(|binding| binding.group == group) {
-            let unfiltered = group == 1 && state.unfiltered.contains(&binding.name);
+            let unfiltered = group <= 1 && state.unfiltered.contains(&binding.name);
             let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
                 let problem = "a render pass has no such resource to give";
                 RenderError::binding(&permutation.key, binding, problem)

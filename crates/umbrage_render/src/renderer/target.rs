@@ -13,6 +13,41 @@ pub(super) struct Target {
 /// The depth format of the camera's passes.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// Begins a pass into a colour texture, with a colour to begin with or what is there, and a depth
+/// texture, cleared or with what is there. `mark` takes its time.
+pub(super) fn begin<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    (color, clear): (&wgpu::TextureView, Option<wgpu::Color>),
+    (depth, clear_depth): (&wgpu::TextureView, bool),
+    mark: Option<&Mark>,
+) -> wgpu::RenderPass<'a> {
+    let store = wgpu::StoreOp::Store;
+    let load = match clear_depth {
+        // Depth is reversed: 0 is the farthest.
+        true => wgpu::LoadOp::Clear(0.0),
+        false => wgpu::LoadOp::Load,
+    };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("picture"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: color,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
+                store,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(wgpu::Operations { load, store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: mark.map(Mark::writes),
+        ..Default::default()
+    })
+}
+
 /// Bytes that are read back at a time.
 const BAND: u64 = 32 << 20;
 
@@ -54,30 +89,8 @@ impl Target {
         clear: Option<wgpu::Color>,
         mark: Option<&Mark>,
     ) -> wgpu::RenderPass<'a> {
-        let store = wgpu::StoreOp::Store;
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("picture"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.color,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    // Depth is reversed: 0 is the farthest.
-                    load: clear.map_or(wgpu::LoadOp::Load, |_| wgpu::LoadOp::Clear(0.0)),
-                    store,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: mark.map(Mark::writes),
-            ..Default::default()
-        })
+        let color = (&self.color, clear);
+        begin(encoder, color, (&self.depth, clear.is_some()), mark)
     }
 
     /// The colour texture's bytes, row by row from the top, in bands so that no buffer grows with
