@@ -1,5 +1,5 @@
 //! The shadow term of a stage on the CPU: rays from the camera find the receivers, rays through the
-//! middle of each texel find what the map holds, and `basic`'s twin filters it. Nothing of the GPU is
+//! middle of each texel find what the map holds, and the method's twin filters it. Nothing of the GPU is
 //! used, so that a fault on either side shows.
 
 use std::cell::{Cell, RefCell};
@@ -7,7 +7,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, Vec2};
 use umbrage::{
-    methods::basic_twin::BasicTwin,
+    methods::{
+        basic_twin::BasicTwin,
+        pssm_twin::{Choice, PssmTwin},
+    },
     shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
 };
 
@@ -35,12 +38,18 @@ pub struct Oracle<'a> {
     view: View,
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
-    twin: Option<BasicTwin>,
+    twin: Option<Twin>,
     /// The least and greatest depth of the map's texels that were asked for.
     texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
 
-/// A texel's layer, column and row.
+/// What the light's method does with its maps.
+enum Twin {
+    Basic(BasicTwin),
+    Pssm(PssmTwin),
+}
+
+/// A texel's layer (of a method with several passes into one, the pass), column and row.
 type Texel = (u32, u32, u32);
 
 struct Triangle {
@@ -60,7 +69,7 @@ struct Hit {
 
 impl<'a> Oracle<'a> {
     /// An oracle for a picture of `width` × `height` pixels. None where the light has a method other
-    /// than `basic`.
+    /// than `basic` and `pssm`.
     pub fn new(stage: &'a Stage, registry: &Registry, width: u32, height: u32) -> Option<Self> {
         let scene = &stage.scene;
         let mut triangles = Vec::new();
@@ -114,7 +123,16 @@ impl<'a> Oracle<'a> {
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;
                 let plane = axes.get("receiver_bias")? == "plane";
-                let twin = BasicTwin::new(&plan, width, plane)?;
+                let twin = if shadow.method == "pssm" {
+                    let choice = Choice {
+                        lookup: axes.get("lookup")?.clone(),
+                        transition: axes.get("transition")?.clone(),
+                        band: settings.get("band"),
+                    };
+                    Twin::Pssm(PssmTwin::new(&plan, width, plane, choice)?)
+                } else {
+                    Twin::Basic(BasicTwin::new(&plan, width, plane)?)
+                };
                 (plan, Some(twin))
             }
         };
@@ -137,9 +155,22 @@ impl<'a> Oracle<'a> {
         let Some(twin) = &self.twin else {
             return Pixel::Term(1.0, 1.0);
         };
-        let dark = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).1);
-        let lit = twin.calc_shadow(position, normal, |layer, x, y| self.texel(layer, x, y).0);
-        Pixel::Term(dark, lit)
+        match twin {
+            Twin::Basic(twin) => {
+                let term = |pick: fn((f32, f32)) -> f32| {
+                    let texel = |layer, x, y| pick(self.texel(layer, x, y));
+                    twin.calc_shadow(position, normal, texel)
+                };
+                Pixel::Term(term(|range| range.1), term(|range| range.0))
+            }
+            Twin::Pssm(twin) => {
+                let term = |pick: fn((f32, f32)) -> f32| {
+                    let texel = |pass: usize, x, y| pick(self.texel(pass as u32, x, y));
+                    twin.calc_shadow(position, normal, texel)
+                };
+                Pixel::Term(term(|range| range.1)[0], term(|range| range.0)[1])
+            }
+        }
     }
 
     /// Where the pixel sees a surface (metres, relative to the camera), and the surface's unit normal on
@@ -185,13 +216,23 @@ impl<'a> Oracle<'a> {
     /// What the pixel sees where that is no surface for sure.
     pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
         let (position, normal) = self.receiver(x, y, width, height)?;
+        let twin = match &self.twin {
+            None => return Ok(0),
+            Some(Twin::Pssm(twin)) => {
+                let [least, most] = twin.fetches(position);
+                return if least == most {
+                    Ok(least)
+                } else {
+                    Err(Pixel::Edge)
+                };
+            }
+            Some(Twin::Basic(twin)) => twin,
+        };
         let reads = Cell::new(false);
-        if let Some(twin) = &self.twin {
-            twin.calc_shadow(position, normal, |_, _, _| {
-                reads.set(true);
-                0.0
-            });
-        }
+        twin.calc_shadow(position, normal, |_, _, _| {
+            reads.set(true);
+            0.0
+        });
         Ok(if reads.get() {
             self.plan.fetches_per_pixel
         } else {
@@ -263,18 +304,17 @@ impl<'a> Oracle<'a> {
 
     /// The depth at a place in the shadow map, in texels.
     fn depth(&self, layer: u32, place: DVec2) -> f32 {
-        let size = self
-            .plan
-            .textures
-            .first()
-            .map_or(1, |texture| texture.width);
-        let pass = self.plan.passes.iter().find_map(|pass| match pass {
-            Pass::Casters(pass) if pass.layer == layer => Some(pass),
+        let mut passes = self.plan.passes.iter().enumerate();
+        let pass = passes.find_map(|(number, pass)| match (pass, &self.twin) {
+            (Pass::Casters(pass), Some(Twin::Pssm(_))) => {
+                (number == layer as usize).then_some(pass)
+            }
+            (Pass::Casters(pass), _) => (pass.layer == layer).then_some(pass),
             _ => None,
         });
         // A layer that nothing is drawn into holds what it is cleared to: far.
         let Some(pass) = pass else { return 0.0 };
-        let at = place / f64::from(size);
+        let at = place / f64::from(pass.viewport.width);
         let matrix = pass.view_proj.as_dmat4();
         let (start, direction) = ray(matrix, DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y));
         let hit = self.cast(self.view.position + start, direction);

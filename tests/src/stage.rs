@@ -155,15 +155,17 @@ fn light(
         },
         _ => LightKind::Directional { direction },
     };
-    let axes = ["pcf", "receiver_bias"].map(|axis| {
-        (
-            axis.to_owned(),
-            library.axes().value(key, axis).unwrap_or("").to_owned(),
-        )
+    let axes: &[_] = match method {
+        "pssm" => &["fit", "lookup", "pcf", "receiver_bias", "transition"],
+        _ => &["pcf", "receiver_bias"],
+    };
+    let axes = axes.iter().map(|axis| {
+        let value = library.axes().value(key, axis).unwrap_or("");
+        ((*axis).to_owned(), value.to_owned())
     });
     let shadow = (method != "none").then(|| Shadow {
         method: method.to_owned(),
-        axes: axes.into(),
+        axes: axes.collect(),
         settings: BTreeMap::from([("resolution".to_owned(), f64::from(resolution))]),
     });
     SceneLight {

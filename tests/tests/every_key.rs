@@ -24,6 +24,9 @@ const SIZE: u32 = 40;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
+/// The axes of shadow methods, which an unshadowed picture has none of.
+const SHADOW_AXES: [&str; 5] = ["lookup", "method", "pcf", "receiver_bias", "transition"];
+
 /// The one file beside the manifests that is none; what it limits is tested with the command.
 const BUDGET: &str = "budget.ron";
 
@@ -193,6 +196,8 @@ impl Studio {
             "method",
             "pcf",
             "receiver_bias",
+            "lookup",
+            "transition",
             "alpha_test",
             "base_color_texture",
         ];
@@ -225,7 +230,7 @@ impl Studio {
         let library = self.composer.library().clone();
         let choices = key
             .choices()
-            .filter(|(axis, _)| !["method", "pcf", "receiver_bias"].contains(axis));
+            .filter(|(axis, _)| !SHADOW_AXES.contains(axis));
         let plain = library
             .key(choices.chain([("method", "none")]))
             .expect("a key without a method");

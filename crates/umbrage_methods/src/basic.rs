@@ -37,11 +37,13 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3};
 use umbrage_shadow::{
-    Aabb, Beam, CasterPass, Constants, DepthTest, Extent, Frame, Frustum, Lens, Light, LightKind,
-    Pass, PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
+    Beam, CasterPass, Constants, DepthTest, Extent, Frame, Frustum, Lens, Light, LightKind, Pass,
+    PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
     TextureShape, Value, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
+
+use crate::job::{self, Boxes, NEAREST, PADDING};
 
 /// The method `basic`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,13 +70,6 @@ const SETTINGS: [Setting; 2] = [
         whole: false,
     },
 ];
-
-/// The nearest near plane of a spot or point light, as a share of its range. Reversed depth keeps its
-/// relative precision over this ratio, and more.
-const NEAREST: f64 = 1e-5;
-
-/// How much farther than needed the near and far planes stand, relative: beyond any rounding.
-const PADDING: f64 = 1.0 / 8192.0;
 
 impl ShadowMethod for Basic {
     fn name(&self) -> &str {
@@ -104,12 +99,12 @@ impl ShadowMethod for Basic {
                 range,
                 ..
             } => job.spot(
-                position - job.origin,
+                position - job.boxes.origin,
                 direction.normalize(),
                 outer_angle,
                 range,
             ),
-            LightKind::Point { position, range } => job.point(position - job.origin, range),
+            LightKind::Point { position, range } => job.point(position - job.boxes.origin, range),
         };
         Ok(plan)
     }
@@ -117,10 +112,7 @@ impl ShadowMethod for Basic {
 
 /// A frame's numbers, checked; all else is camera-relative.
 struct Job {
-    origin: DVec3,
-    camera: Frustum,
-    casters: Vec<Aabb>,
-    receivers: Vec<Aabb>,
+    boxes: Boxes,
     resolution: u32,
     depth_bias: f64,
     width: u32,
@@ -128,100 +120,57 @@ struct Job {
 
 impl Job {
     fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
-        frame.validate()?;
-        for setting in &SETTINGS {
-            let value = frame.settings.get(setting.name);
-            let what = format!("the setting `{}`", setting.name);
-            let holds = (setting.min..=setting.max).contains(&value);
-            PlanError::check(
-                holds,
-                &what,
-                value,
-                &format!("{} to {}", setting.min, setting.max),
-            )?;
-        }
-        let pcf = frame.axes.get("pcf").map_or("missing", String::as_str);
-        let width = pcf.parse().unwrap_or(0);
-        PlanError::check(
-            width % 2 == 1 && width <= 15,
-            "the axis `pcf`",
-            pcf,
-            "odd, 1 to 15",
-        )?;
-        let origin = frame.view.position;
-        let lit = frame
-            .casters
-            .receivers
-            .iter()
-            .filter(|r| frame.light.reaches(r));
+        job::check(frame, &SETTINGS)?;
         Ok(Self {
-            origin,
-            camera: frame.view.frustum_relative(),
-            casters: frame
-                .casters
-                .casters
-                .iter()
-                .map(|c| c.translate(-origin))
-                .collect(),
-            receivers: lit.map(|r| r.translate(-origin)).collect(),
+            width: job::filter_width(frame)?,
+            boxes: Boxes::new(frame),
             resolution: frame.settings.get("resolution") as u32,
             depth_bias: frame.settings.get("depth_bias"),
-            width,
         })
     }
 
     fn directional(&self, direction: DVec3) -> ShadowPlan {
         let lens = Lens::directional(direction);
-        let Some(mut seen) = Extent::of(&lens, DVec3::ZERO, &self.receivers, &[&self.camera])
-        else {
+        let Some(mut seen) = Extent::of(
+            &lens,
+            DVec3::ZERO,
+            &self.boxes.receivers,
+            &[&self.boxes.camera],
+        ) else {
             return self.unshadowed(TextureShape::D2);
         };
         let least = seen.precision;
         self.expand(&mut seen, least);
-        let corners = self.casters.iter().flat_map(Aabb::corners);
-        let nearest = corners.map(|p| lens.place(p).1).fold(seen.near, f64::min);
-        let padding = PADDING * (seen.far - nearest) + 4.0 * seen.precision;
-        seen.far += padding;
-        let beam = Beam::new(
-            &lens,
-            &seen.rect,
-            nearest - padding,
-            seen.far,
-            &self.casters,
-        );
-        seen.near = seen.near.min(beam.near);
-        seen.near -= PADDING * (seen.far - seen.near) + 4.0 * seen.precision;
-
+        let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
-        let rounding = seen
-            .precision
-            .max(Extent::PRECISION * seen.near.abs().max(seen.far.abs()));
         let range = seen.far - seen.near;
-        let shift = self.depth_bias * texel + 4.0 * rounding;
+        let shift = job::directional_shift(&seen, self.depth_bias, texel);
         let bias = DVec2::new(shift / range, 0.0);
         let texel_depth = DVec2::new(texel / range, 0.0);
-        self.map(&lens, &seen, beam.casters, bias, texel_depth)
+        self.map(&lens, &seen, casters, bias, texel_depth)
     }
 
     fn spot(&self, position: DVec3, direction: DVec3, angle: f64, range: f64) -> ShadowPlan {
         let lens = Lens::spot(position, direction);
         let floor = NEAREST * range;
         let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
-        let Some(mut seen) = Extent::of(&lens, position, &self.receivers, &[&self.camera, &cone])
-        else {
+        let Some(mut seen) = Extent::of(
+            &lens,
+            position,
+            &self.boxes.receivers,
+            &[&self.boxes.camera, &cone],
+        ) else {
             return self.unshadowed(TextureShape::D2);
         };
         let least = seen.precision / seen.far;
         self.expand(&mut seen, least);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let nearest_receiver = seen.near;
-        seen.far *= 1.0 + PADDING;
-        let beam = Beam::new(&lens, &seen.rect, floor, seen.far, &self.casters);
-        seen.near = (seen.near.min(beam.near) * (1.0 - PADDING)).max(floor);
+        let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
         let bias = self.perspective_bias(&lens, &seen, texel, nearest_receiver);
         // A texel is `texel` · d wide at distance d, where depth is A + B / d and falls by B / d² a metre.
         let texel_depth = texel * DVec2::new(-lens.depth_terms(seen.near, seen.far).x, 1.0);
-        self.map(&lens, &seen, beam.casters, bias, texel_depth)
+        self.map(&lens, &seen, casters, bias, texel_depth)
     }
 
     /// A face that no filter's tap can reach has no pass: `reached` widens each face by what a filter
@@ -230,11 +179,16 @@ impl Job {
         let lenses = Lens::cube(position);
         let floor = NEAREST * range;
         let texel = 2.0 / f64::from(self.resolution);
-        let reached = Rect::square(1.0 + texel * self.margin());
+        let reached = Rect::square(1.0 + texel * job::margin(self.width));
         let face = Rect::square(1.0);
         let seen = lenses.each_ref().map(|lens| {
             let volume = Frustum::from_matrix(lens.matrix(&reached, floor, range));
-            Extent::of(lens, position, &self.receivers, &[&self.camera, &volume])
+            Extent::of(
+                lens,
+                position,
+                &self.boxes.receivers,
+                &[&self.boxes.camera, &volume],
+            )
         });
         // All faces share one range of depths: a filter's taps cross from face to face.
         let Some(mut all) = seen.into_iter().flatten().reduce(Extent::union) else {
@@ -243,7 +197,7 @@ impl Job {
         let nearest_receiver = all.near;
         all.far *= 1.0 + PADDING;
         let beams = std::array::from_fn::<_, 6, _>(|i| {
-            let beam = |_| Beam::new(&lenses[i], &face, floor, all.far, &self.casters);
+            let beam = |_| Beam::new(&lenses[i], &face, floor, all.far, &self.boxes.casters);
             seen[i].map_or(Beam::EMPTY, beam)
         });
         let nearest = beams.iter().map(|beam| beam.near).fold(all.near, f64::min);
@@ -272,31 +226,21 @@ impl Job {
         )
     }
 
-    /// How far from its middle a filter reads, texels: half its width, a texel's fetch, and room for
-    /// rounding.
-    fn margin(&self) -> f64 {
-        0.5 * f64::from(self.width) + 1.5
-    }
-
     /// Widens the map by its filter's margin, and until its texels are no finer than `least`.
     fn expand(&self, seen: &mut Extent, least: f64) {
         let resolution = f64::from(self.resolution);
         // A map hardly wider than its filter keeps half of itself for what it is to hold.
-        let margin = self.margin().min(0.25 * resolution);
+        let margin = job::margin(self.width).min(0.25 * resolution);
         let size = seen.rect.size().max(DVec2::splat(least * resolution));
         seen.rect = seen
             .rect
             .resized(size * resolution / (resolution - 2.0 * margin));
     }
 
-    /// At distance d, depth is A + B / d and a texel is `texel` · d wide, so a shift of k texels is one
-    /// by a share s = k · `texel` of d: A + B / (d (1 − s)) = depth + (depth − A) s / (1 − s).
-    /// Rounding adds to s; it is worst for the receiver nearest to the light.
+    /// At distance d, depth is A + B / d, so that raising 1 / d by a share is raising depth by that share of
+    /// depth − A.
     fn perspective_bias(&self, lens: &Lens, seen: &Extent, texel: f64, nearest: f64) -> DVec2 {
-        let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
-        // Beyond the whole distance a shift has no meaning.
-        let share = (self.depth_bias * texel + 4.0 * rounding).min(0.9);
-        let raise = share / (1.0 - share);
+        let raise = job::perspective_raise(seen, self.depth_bias, texel, nearest);
         DVec2::new(-raise * lens.depth_terms(seen.near, seen.far).x, raise)
     }
 

@@ -1,14 +1,13 @@
 //! The shader of [`crate::basic`] on the CPU, in f64: the oracle that its pictures are compared with.
 //!
-//! The filter is computed the plain way, as the mean of W × W bilinear comparisons a texel apart, and
-//! so checks the shader's trick of reading two columns (and rows) of texels in one fetch. One thing
-//! follows the shader exactly, since it changes results: the four texels of one fetch are compared
-//! with one depth, the receiver's plane at the fetch's own place. Expect differences where a GPU rounds:
+//! The filter is computed the plain way, texel by texel. Expect differences where a GPU rounds:
 //! in depth at a shadow's very edge, and in bilinear weights (often 8 bits). Across a cube's edges a
 //! bilinear fetch's texels are found by their directions; hardware may choose others at the corners.
 
 use glam::{DMat4, DVec2, DVec3, Mat4};
 use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
+
+use crate::twin_filter::Filter;
 
 /// The shader's constant of this name.
 const STEEPEST: f64 = 19.0;
@@ -124,47 +123,11 @@ impl BasicTwin {
         let size = f64::from(self.size);
         let lean = slope.abs().element_sum() / size;
         let depth = at.z + self.bias.x + self.bias.y * at.z + lean;
-        let (columns, rows) = (self.line(at.x), self.line(at.y));
-        let mut lit = 0.0;
-        for row in &rows {
-            for column in &columns {
-                let there = DVec2::new(column.fetch, row.fetch) / size - at.truncate();
-                let reference = (depth + slope.dot(there)).clamp(0.0, 1.0);
-                if reference >= f64::from(depth_at(column.texel, row.texel)) {
-                    lit += column.weight * row.weight;
-                }
-            }
-        }
-        lit
-    }
-
-    /// The texels that the filter about `at` (0..1) reads along one axis.
-    fn line(&self, at: f64) -> Vec<Read> {
-        let (count, last) = (self.width as usize, f64::from(self.size) - 1.0);
-        let middle = at * f64::from(self.size);
-        // W linear fetches a texel apart, each sharing its weight between two texels.
-        let first = (middle - 0.5 * f64::from(self.width)).floor();
-        let mut weights = vec![0.0; count + 1];
-        for fetch in 0..count {
-            let place = middle + fetch as f64 - 0.5 * (f64::from(self.width) - 1.0);
-            let part = (place - 0.5) - (first + fetch as f64);
-            weights[fetch] += (1.0 - part) / f64::from(self.width);
-            weights[fetch + 1] += part / f64::from(self.width);
-        }
-        // The shader reads the texels two by two, at the middle of their weights.
-        let center = |i: usize| first + i as f64 + 0.5;
-        let read = |i: usize| {
-            let (a, b) = (i & !1, i | 1);
-            let fetch =
-                (weights[a] * center(a) + weights[b] * center(b)) / (weights[a] + weights[b]);
-            let texel = (first + i as f64).clamp(0.0, last) as u32;
-            Read {
-                texel,
-                weight: weights[i],
-                fetch,
-            }
+        let filter = Filter {
+            width: self.width,
+            size: self.size,
         };
-        (0..=count).map(read).collect()
+        filter.lit(at.truncate() * size, depth, slope / size, depth_at)
     }
 
     fn filter_cube(
@@ -234,14 +197,6 @@ impl BasicTwin {
         }
         lit
     }
-}
-
-/// One texel's part in a filter, along one axis.
-struct Read {
-    texel: u32,
-    weight: f64,
-    /// Where the shader's fetch of it lies, texels.
-    fetch: f64,
 }
 
 /// The axis of the cube's face that `direction` looks at, without its sign.

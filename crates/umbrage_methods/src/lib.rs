@@ -6,6 +6,10 @@
 
 pub mod basic;
 pub mod basic_twin;
+mod job;
+pub mod pssm;
+pub mod pssm_twin;
+mod twin_filter;
 
 use umbrage_shadow::{Registry, RegistryError};
 
@@ -16,5 +20,6 @@ use umbrage_shadow::{Registry, RegistryError};
 pub fn registry() -> Result<Registry, RegistryError> {
     let mut registry = Registry::new();
     registry.register(basic::Basic)?;
+    registry.register(pssm::Pssm)?;
     Ok(registry)
 }

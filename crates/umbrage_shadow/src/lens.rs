@@ -94,6 +94,25 @@ impl Lens {
         }
     }
 
+    /// From positions to the space in which a crop is a scale and an offset, so that maps of parts of the
+    /// plane and of distances share one matrix: x / w and y / w are the [`place`](Self::place), z / w is a depth
+    /// that grows towards the light, minus the distance (directional, metres) or one over the distance. The
+    /// depth of [`depth_terms`](Self::depth_terms) (A, B) is A − B · z / w or A + B · z / w.
+    pub fn base(&self) -> DMat4 {
+        let [x, y, distance, w] = [0, 1, 2, 3].map(|i| self.to_light.row(i));
+        let depth = if self.perspective {
+            DVec4::W
+        } else {
+            -distance
+        };
+        from_rows(x, y, depth, w)
+    }
+
+    /// Whether places are divided by the distance.
+    pub fn is_perspective(&self) -> bool {
+        self.perspective
+    }
+
     /// From positions to the clip space of the map that holds `rect` and the distances from `near`
     /// to `far` (metres).
     pub fn matrix(&self, rect: &Rect, near: f64, far: f64) -> DMat4 {

@@ -142,6 +142,7 @@
 //! compute or full-screen passes; perspective and light-space perspective maps are another `view_proj`
 //! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
 
+mod atlas;
 mod bounds;
 mod constants;
 mod extent;
@@ -153,8 +154,10 @@ pub mod names;
 mod plan;
 mod registry;
 mod settings;
+mod splits;
 mod view;
 
+pub use atlas::Atlas;
 pub use bounds::{Aabb, Frustum};
 pub use constants::{Constants, Value};
 pub use extent::{Beam, Extent};
@@ -168,4 +171,5 @@ pub use plan::{
 };
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
+pub use splits::{MAX_SPLITS, split_depths};
 pub use view::{Projection, View};

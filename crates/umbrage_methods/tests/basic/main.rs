@@ -374,5 +374,5 @@ fn what_cannot_be_planned_is_named() {
 #[test]
 fn the_registry_is_whole() {
     let registry = registry().expect("names differ");
-    assert_eq!(registry.names().collect::<Vec<_>>(), ["basic"]);
+    assert_eq!(registry.names().collect::<Vec<_>>(), ["basic", "pssm"]);
 }

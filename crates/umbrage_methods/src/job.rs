@@ -1,0 +1,126 @@
+//! What methods with depth maps do before they fit them: checks, and a frame relative to the camera.
+
+use glam::DVec3;
+use umbrage_shadow::{Aabb, Beam, Extent, Frame, Frustum, Lens, PlanError, Setting};
+
+/// The nearest near plane of a spot or point light, as a share of its range. Reversed depth keeps its
+/// relative precision over this ratio, and more.
+pub(crate) const NEAREST: f64 = 1e-5;
+
+/// How much farther than needed the near and far planes stand, relative: beyond any rounding.
+pub(crate) const PADDING: f64 = 1.0 / 8192.0;
+
+/// A frame's boxes, camera-relative.
+pub(crate) struct Boxes {
+    /// The camera's position in the world.
+    pub origin: DVec3,
+    /// What the camera sees.
+    pub camera: Frustum,
+    /// As the frame has them.
+    pub casters: Vec<Aabb>,
+    /// Those that the light may reach.
+    pub receivers: Vec<Aabb>,
+}
+
+impl Boxes {
+    /// Those of `frame`.
+    pub(crate) fn new(frame: &Frame<'_>) -> Self {
+        let origin = frame.view.position;
+        let lit = frame
+            .casters
+            .receivers
+            .iter()
+            .filter(|r| frame.light.reaches(r));
+        Self {
+            origin,
+            camera: frame.view.frustum_relative(),
+            casters: frame
+                .casters
+                .casters
+                .iter()
+                .map(|c| c.translate(-origin))
+                .collect(),
+            receivers: lit.map(|r| r.translate(-origin)).collect(),
+        }
+    }
+}
+
+/// Checks the frame, and that each of `settings` has a value in its range.
+pub(crate) fn check(frame: &Frame<'_>, settings: &[Setting]) -> Result<(), PlanError> {
+    frame.validate()?;
+    for setting in settings {
+        let value = frame.settings.get(setting.name);
+        let what = format!("the setting `{}`", setting.name);
+        let holds = (setting.min..=setting.max).contains(&value);
+        let expected = format!("{} to {}", setting.min, setting.max);
+        PlanError::check(holds, &what, value, &expected)?;
+    }
+    Ok(())
+}
+
+/// The value of an axis, "missing" where it has none.
+pub(crate) fn axis<'a>(frame: &Frame<'a>, name: &str) -> &'a str {
+    frame.axes.get(name).map_or("missing", String::as_str)
+}
+
+/// The filter's width in texels: the axis `pcf`.
+pub(crate) fn filter_width(frame: &Frame<'_>) -> Result<u32, PlanError> {
+    let pcf = axis(frame, "pcf");
+    let width = pcf.parse().unwrap_or(0);
+    PlanError::check(
+        width % 2 == 1 && width <= 15,
+        "the axis `pcf`",
+        pcf,
+        "odd, 1 to 15",
+    )?;
+    Ok(width)
+}
+
+/// How far from its middle a filter `width` texels wide reads, texels: half its width, a texel's fetch,
+/// and room for rounding.
+pub(crate) fn margin(width: u32) -> f64 {
+    0.5 * f64::from(width) + 1.5
+}
+
+/// At distance d from a spot light, a texel is `texel` · d wide, so that a shift by `bias` texels is one by a
+/// share s = `bias` · `texel` of d; rounding adds to s, and is worst for the receiver `nearest` to the light. One
+/// over the distance grows by this share, s / (1 − s).
+pub(crate) fn perspective_raise(seen: &Extent, bias: f64, texel: f64, nearest: f64) -> f64 {
+    let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
+    // Beyond the whole distance a shift has no meaning.
+    let share = (bias * texel + 4.0 * rounding).min(0.9);
+    share / (1.0 - share)
+}
+
+/// How far a receiver is moved towards a directional light, metres: `bias` texels of `texel` metres, and
+/// what rounding may be.
+pub(crate) fn directional_shift(seen: &Extent, bias: f64, texel: f64) -> f64 {
+    let far = seen.near.abs().max(seen.far.abs());
+    bias * texel + 4.0 * seen.precision.max(Extent::PRECISION * far)
+}
+
+/// The near plane of a directional light's map, and the casters that it needs: those between the light and
+/// what is `seen`. Moves the planes apart by more than rounding.
+pub(crate) fn directional_casters(lens: &Lens, seen: &mut Extent, casters: &[Aabb]) -> Vec<usize> {
+    let corners = casters.iter().flat_map(Aabb::corners);
+    let nearest = corners.map(|p| lens.place(p).1).fold(seen.near, f64::min);
+    let padding = PADDING * (seen.far - nearest) + 4.0 * seen.precision;
+    seen.far += padding;
+    let beam = Beam::new(lens, &seen.rect, nearest - padding, seen.far, casters);
+    seen.near = seen.near.min(beam.near);
+    seen.near -= PADDING * (seen.far - seen.near) + 4.0 * seen.precision;
+    beam.casters
+}
+
+/// The same for a spot light, of which nothing is nearer than `floor` (metres).
+pub(crate) fn spot_casters(
+    lens: &Lens,
+    seen: &mut Extent,
+    floor: f64,
+    casters: &[Aabb],
+) -> Vec<usize> {
+    seen.far *= 1.0 + PADDING;
+    let beam = Beam::new(lens, &seen.rect, floor, seen.far, casters);
+    seen.near = (seen.near.min(beam.near) * (1.0 - PADDING)).max(floor);
+    beam.casters
+}

@@ -1,0 +1,325 @@
+//! Which splits there are, and what each one's map holds.
+
+use glam::{DMat4, DVec2, DVec3};
+use umbrage_shadow::{
+    Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap, split_depths,
+};
+
+use super::Lookup;
+use crate::job::{self, Boxes, NEAREST, PADDING};
+
+/// A frame's numbers, checked.
+pub(super) struct Job {
+    pub boxes: Boxes,
+    view: View,
+    splits: usize,
+    lambda: f64,
+    pub shadow_distance: Option<f64>,
+    /// Texels along a tile's side.
+    pub tile: u32,
+    depth_bias: f64,
+    pub band: f64,
+    pub width: u32,
+    pub lookup: Lookup,
+    pub transition: Transition,
+    stable: bool,
+}
+
+/// How one split passes into the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Transition {
+    Hard,
+    Blend,
+    Dither,
+}
+
+/// The splits that receivers touch, and what they share.
+pub(super) struct Splits {
+    /// World (camera-relative) to base space.
+    pub base: DMat4,
+    /// Ascending.
+    pub splits: Vec<Split>,
+}
+
+/// One split's map.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Split {
+    /// The view depths at which it begins and ends, metres.
+    pub depths: [f64; 2],
+    /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
+    pub scale: DVec3,
+    pub offset: DVec3,
+    /// A receiver's depth is raised by x + y · depth.
+    pub bias: DVec2,
+    /// World (camera-relative) to clip space.
+    pub view_proj: DMat4,
+    pub casters: Vec<usize>,
+}
+
+impl Job {
+    pub(super) fn new(frame: &Frame<'_>, settings: &[Setting]) -> Result<Self, PlanError> {
+        job::check(frame, settings)?;
+        let setting = |name| frame.settings.get(name);
+        let distance = setting("shadow_distance");
+        let fit = job::axis(frame, "fit");
+        PlanError::check(
+            ["stable", "tight"].contains(&fit),
+            "the axis `fit`",
+            fit,
+            "stable or tight",
+        )?;
+        let transition = match job::axis(frame, "transition") {
+            "hard" => Some(Transition::Hard),
+            "blend" => Some(Transition::Blend),
+            "dither" => Some(Transition::Dither),
+            _ => None,
+        };
+        let transition = transition.ok_or_else(|| PlanError::Invalid {
+            what: "the axis `transition`".to_owned(),
+            value: job::axis(frame, "transition").to_owned(),
+            expected: "hard, blend or dither".to_owned(),
+        })?;
+        Ok(Self {
+            boxes: Boxes::new(frame),
+            view: frame.view.clone(),
+            splits: setting("splits") as usize,
+            lambda: setting("lambda"),
+            shadow_distance: (distance > 0.0).then_some(distance),
+            tile: setting("resolution") as u32,
+            depth_bias: setting("depth_bias"),
+            band: setting("band"),
+            width: job::filter_width(frame)?,
+            lookup: Lookup::of(frame, setting("splits") as usize)?,
+            transition,
+            stable: fit == "stable",
+        })
+    }
+
+    /// The way that the camera looks.
+    pub(super) fn forward(&self) -> DVec3 {
+        self.view.forward()
+    }
+
+    pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
+        let lens = Lens::directional(direction);
+        let slices = self.slices(&lens, DVec3::ZERO, None)?;
+        let fit = |slice: Slice| {
+            let mut seen = slice.seen;
+            let least = seen.precision;
+            seen.rect = if self.stable {
+                self.around_sphere(&lens, slice.held, least)
+            } else {
+                self.around(&seen.rect, least)
+            };
+            let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
+            let shift = job::directional_shift(&seen, self.depth_bias, self.texel(&seen.rect));
+            let bias = DVec2::new(shift / (seen.far - seen.near), 0.0);
+            self.split(&lens, slice.depths, &seen, casters, bias)
+        };
+        Ok(Splits {
+            base: lens.base(),
+            splits: slices.into_iter().map(fit).collect(),
+        })
+    }
+
+    pub(super) fn spot(
+        &self,
+        position: DVec3,
+        direction: DVec3,
+        angle: f64,
+        range: f64,
+    ) -> Result<Splits, PlanError> {
+        let lens = Lens::spot(position, direction);
+        let floor = NEAREST * range;
+        let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
+        let slices = self.slices(&lens, position, Some(&cone))?;
+        let fit = |slice: Slice| {
+            let mut seen = slice.seen;
+            let least = seen.precision / seen.far;
+            seen.rect = if self.stable {
+                self.on_grid(&seen.rect, least)
+            } else {
+                self.around(&seen.rect, least)
+            };
+            let nearest = seen.near;
+            let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
+            let texel = self.texel(&seen.rect);
+            let raise = job::perspective_raise(&seen, self.depth_bias, texel, nearest);
+            // One over the distance is (depth − A) / B.
+            let bias = DVec2::new(-raise * lens.depth_terms(seen.near, seen.far).x, raise);
+            self.split(&lens, slice.depths, &seen, casters, bias)
+        };
+        Ok(Splits {
+            base: lens.base(),
+            splits: slices.into_iter().map(fit).collect(),
+        })
+    }
+
+    /// The splits that receivers touch. `cone` is what the light reaches.
+    fn slices(
+        &self,
+        lens: &Lens,
+        position: DVec3,
+        cone: Option<&Frustum>,
+    ) -> Result<Vec<Slice>, PlanError> {
+        let Some([near, far]) = self.range(cone) else {
+            return Ok(Vec::new());
+        };
+        let depths = split_depths(near, far, self.splits, self.lambda)?;
+        let seen_in = |[near, far]: [f64; 2]| {
+            let part = self.part(near * (1.0 - PADDING), far * (1.0 + PADDING));
+            let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
+            Extent::of(lens, position, &self.boxes.receivers, &volumes)
+        };
+        let mut slices = Vec::<Slice>::new();
+        for pair in depths.windows(2) {
+            let depths = [pair[0], pair[1]];
+            let mut held = depths;
+            if let Some(before) = slices.last().filter(|slice| slice.depths[1] == depths[0])
+                && self.transition != Transition::Hard
+            {
+                held[0] -= self.band * (before.depths[1] - before.depths[0]);
+            }
+            // Who is seen in the band alone has the map of the split before.
+            if seen_in(depths).is_some()
+                && let Some(seen) = seen_in(held)
+            {
+                slices.push(Slice { depths, held, seen });
+            }
+        }
+        Ok(slices)
+    }
+
+    /// The view depths between which receivers are seen, and shadowed.
+    fn range(&self, cone: Option<&Frustum>) -> Option<[f64; 2]> {
+        let volumes: Vec<_> = std::iter::once(&self.boxes.camera).chain(cone).collect();
+        let forward = self.view.forward();
+        let receivers = self.boxes.receivers.iter();
+        let points = receivers.flat_map(|receiver| overlap(receiver, &volumes));
+        let depths = points.map(|point| point.dot(forward));
+        let [near, far] = depths.map(|depth| [depth, depth]).reduce(|a, b| {
+            let [near, far] = [a[0].min(b[0]), a[1].max(b[1])];
+            [near, far]
+        })?;
+        let Projection {
+            near: least,
+            far: most,
+            ..
+        } = self.view.projection;
+        let (near, far) = if self.stable {
+            (near.log2().floor().exp2(), far.log2().ceil().exp2())
+        } else {
+            (near, far)
+        };
+        let near = near.max(least) * (1.0 - PADDING);
+        let far = far.min(most) * (1.0 + PADDING);
+        let far = self
+            .shadow_distance
+            .map_or(far, |distance| far.min(distance));
+        (near < far * (1.0 - PADDING)).then_some([near, far])
+    }
+
+    /// The part of what the camera sees between two view depths.
+    fn part(&self, near: f64, far: f64) -> Frustum {
+        let projection = Projection {
+            near,
+            far,
+            ..self.view.projection
+        };
+        Frustum::from_matrix(projection.matrix() * self.view.view_relative())
+    }
+
+    /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
+    fn around(&self, rect: &Rect, least: f64) -> Rect {
+        let tile = f64::from(self.tile);
+        let size = rect.size().max(DVec2::splat(least * tile));
+        rect.resized(size * tile / (tile - 2.0 * job::margin(self.width)))
+    }
+
+    /// The square on the world's grid of texels around all that the camera may see between two view depths,
+    /// wherever it looks.
+    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64) -> Rect {
+        let projection = self.view.projection;
+        let up = (0.5 * projection.fov_y).tan();
+        let (middle, radius) = sphere(near, far, up * up * (1.0 + projection.aspect.powi(2)));
+        // Relative to the camera is where the number's digits are spent; the grid is the world's.
+        let (anchor, _) = lens.place(self.boxes.origin);
+        let (center, _) = lens.place(middle * self.view.forward());
+        let texel = self.stable_texel(2.0 * radius, least);
+        self.snapped(anchor, center, texel)
+    }
+
+    /// The square on the light's grid of texels around `rect`, its size rounded up.
+    fn on_grid(&self, rect: &Rect, least: f64) -> Rect {
+        let size = rect.size().max_element().max(f64::MIN_POSITIVE);
+        let rounded = (0.5 * (2.0 * size.log2()).ceil()).exp2();
+        let texel = self.stable_texel(rounded, least);
+        self.snapped(DVec2::ZERO, 0.5 * (rect.min + rect.max), texel)
+    }
+
+    /// The texel of a map that holds `size`, its filter's margin, and a texel to snap to; no finer than
+    /// `least` rounded up to a power of two.
+    fn stable_texel(&self, size: f64, least: f64) -> f64 {
+        let inner = f64::from(self.tile) - 2.0 * job::margin(self.width) - 1.0;
+        (size / inner).max(least.log2().ceil().exp2())
+    }
+
+    /// The map about `center` whose corner is a whole number of texels from the grid's origin, which is at
+    /// −`anchor`.
+    fn snapped(&self, anchor: DVec2, center: DVec2, texel: f64) -> Rect {
+        let tile = f64::from(self.tile);
+        let corner = (anchor + center) / texel - 0.5 * tile;
+        let min = (corner + 0.5).floor() * texel - anchor;
+        Rect {
+            min,
+            max: min + tile * texel,
+        }
+    }
+
+    /// A texel's width in the lens's plane.
+    fn texel(&self, rect: &Rect) -> f64 {
+        rect.size().max_element() / f64::from(self.tile)
+    }
+
+    fn split(
+        &self,
+        lens: &Lens,
+        depths: [f64; 2],
+        seen: &Extent,
+        casters: Vec<usize>,
+        bias: DVec2,
+    ) -> Split {
+        let Rect { min, max } = seen.rect;
+        let across = f64::from(self.tile) / seen.rect.size();
+        let terms = lens.depth_terms(seen.near, seen.far);
+        let rising = if lens.is_perspective() { 1.0 } else { -1.0 };
+        Split {
+            depths,
+            // Rows of texels count downwards.
+            scale: DVec3::new(across.x, -across.y, rising * terms.y),
+            offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
+            bias,
+            view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
+            casters,
+        }
+    }
+}
+
+/// A split that receivers touch.
+struct Slice {
+    /// Where it begins and ends.
+    depths: [f64; 2],
+    /// What its map holds: its beginning is in the band of the split before.
+    held: [f64; 2],
+    seen: Extent,
+}
+
+/// How far along the camera's axis the middle of the smallest ball lies that holds the part of its frustum from `near`
+/// to `far` (metres), and its radius. `spread` is the square of the tangent of the angle between the axis and the
+/// frustum's edges.
+fn sphere(near: f64, far: f64, spread: f64) -> (f64, f64) {
+    // As far from the near corners as from the far ones, unless that is beyond the far plane.
+    let middle = (0.5 * (near + far) * (1.0 + spread)).min(far);
+    let to = |depth: f64| (middle - depth).powi(2) + depth * depth * spread;
+    (middle, to(near).max(to(far)).sqrt())
+}

@@ -1,0 +1,348 @@
+//! What the shader's way to find a split's map reads.
+
+use glam::{DMat4, DVec4, Mat4, Vec4};
+use umbrage_shadow::{
+    Atlas, BufferDesc, CasterPass, ColorTarget, Constants, Contents, DepthTest, Frame, MAX_SPLITS,
+    Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
+};
+use wgpu_types::{ColorWrites, CompareFunction, FilterMode, TextureFormat};
+
+use super::fit::{Job, Split, Splits, Transition};
+use crate::job;
+
+/// The binding of the atlas, or of the texture with a channel for each split.
+const MAP: &str = "shadow_map";
+
+/// The bindings of a map for each split.
+const MAPS: [&str; FEW] = [
+    "shadow_map_0",
+    "shadow_map_1",
+    "shadow_map_2",
+    "shadow_map_3",
+];
+
+/// The most splits of lookups that have one vector, or one texture's channels, for all of them.
+const FEW: usize = 4;
+
+/// How a split's map is found: the axis `lookup`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lookup {
+    Branches,
+    Channels,
+    Masks,
+    MatrixTexture,
+    Packed,
+    Storage,
+    Weights,
+}
+
+impl Lookup {
+    const ALL: [(&'static str, Self); 7] = [
+        ("branches", Self::Branches),
+        ("channels", Self::Channels),
+        ("masks", Self::Masks),
+        ("matrix_texture", Self::MatrixTexture),
+        ("packed", Self::Packed),
+        ("storage", Self::Storage),
+        ("weights", Self::Weights),
+    ];
+
+    /// That of a frame, if it holds as many splits as are asked for.
+    pub(super) fn of(frame: &Frame<'_>, splits: usize) -> Result<Self, PlanError> {
+        let name = job::axis(frame, "lookup");
+        let known = Self::ALL.iter().find(|(known, _)| *known == name);
+        let Some((_, lookup)) = known else {
+            return Err(PlanError::Invalid {
+                what: "the axis `lookup`".to_owned(),
+                value: name.to_owned(),
+                expected: Self::ALL.map(|(known, _)| known).join(", "),
+            });
+        };
+        let most = lookup.most_splits();
+        PlanError::check(
+            splits <= most,
+            "the setting `splits`",
+            splits,
+            &format!(
+                "{most} at the most with the lookup `{name}`; `packed`, `storage` and `matrix_texture` hold {MAX_SPLITS}"
+            ),
+        )?;
+        Ok(*lookup)
+    }
+
+    fn most_splits(self) -> usize {
+        match self {
+            Self::Branches | Self::Channels | Self::Masks | Self::Weights => FEW,
+            Self::MatrixTexture | Self::Packed | Self::Storage => MAX_SPLITS,
+        }
+    }
+
+    /// Fetches of one lookup with `taps` fetches across its filter, which is `width` texels wide.
+    fn fetches(self, taps: u32, width: u32) -> u32 {
+        match self {
+            Self::Branches | Self::Masks | Self::Packed | Self::Storage => taps * taps,
+            Self::MatrixTexture => taps * taps + MATRIX_ROWS,
+            Self::Weights => FEW as u32 * taps * taps,
+            Self::Channels => (width + 1) * (width + 1),
+        }
+    }
+}
+
+/// Rows of a matrix texture: a matrix, and what else a comparison needs.
+const MATRIX_ROWS: u32 = 5;
+
+/// The plan of a frame's splits.
+pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> {
+    let sampler = SamplerDesc {
+        name: "shadow_sampler".to_owned(),
+        filter: FilterMode::Linear,
+        compare: Some(CompareFunction::GreaterEqual),
+    };
+    let lookups = match job.transition {
+        Transition::Blend => 2,
+        Transition::Hard | Transition::Dither => 1,
+    };
+    let fetches = job.lookup.fetches(job.width.div_ceil(2), job.width);
+    let mut plan = ShadowPlan {
+        samplers: vec![sampler],
+        fetches_per_pixel: lookups * fetches,
+        filter_radius: 0.5 * f64::from(job.width) + 0.5,
+        shadow_distance: job.shadow_distance,
+        ..ShadowPlan::default()
+    };
+    let mut columns = 1;
+    match job.lookup {
+        Lookup::Branches | Lookup::Weights => maps(&mut plan, job, splits),
+        Lookup::Channels => channels(&mut plan, job, splits),
+        Lookup::Masks | Lookup::MatrixTexture | Lookup::Packed | Lookup::Storage => {
+            columns = tiles(&mut plan, job, splits)?;
+        }
+    }
+    match job.lookup {
+        Lookup::MatrixTexture => matrix_texture(&mut plan, splits),
+        Lookup::Storage => {
+            let value = Value::Array(split_maps(splits, splits.splits.len().max(1)));
+            let name = "splits".to_owned();
+            plan.buffers.push(BufferDesc { name, value });
+        }
+        _ => {}
+    }
+    plan.constants = constants(job, splits, columns as f32);
+    Ok(plan)
+}
+
+/// All maps in one atlas; gives how many tiles are in a row.
+fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<u32, PlanError> {
+    let count = splits.splits.len() as u32;
+    if count == 0 {
+        // The least that the shader can bind, and it reads none of it.
+        plan.textures.push(texture(MAP, DEPTH, [1, 1]));
+        return Ok(1);
+    }
+    let atlas = Atlas::new(count, job.tile, job::margin(job.width).ceil() as u32)?;
+    plan.textures.push(texture(MAP, DEPTH, atlas.size()));
+    for (number, split) in (0..).zip(&splits.splits) {
+        let mut pass = pass(split, MAP, atlas.tile(number));
+        // The whole texture is cleared once.
+        pass.clear = (number == 0).then_some(0.0);
+        plan.passes.push(Pass::Casters(pass));
+    }
+    Ok(atlas.columns())
+}
+
+/// A map for each split; the least that the shader can bind in the place of those that are not there.
+fn maps(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
+    for (i, name) in MAPS.into_iter().enumerate() {
+        let split = splits.splits.get(i);
+        let size = if split.is_some() { job.tile } else { 1 };
+        plan.textures.push(texture(name, DEPTH, [size, size]));
+        if let Some(split) = split {
+            let pass = pass(split, name, whole(job));
+            plan.passes.push(Pass::Casters(pass));
+        }
+    }
+}
+
+/// A channel of one texture for each split.
+fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
+    const CHANNELS: [ColorWrites; FEW] = [
+        ColorWrites::RED,
+        ColorWrites::GREEN,
+        ColorWrites::BLUE,
+        ColorWrites::ALPHA,
+    ];
+    const NEAREST: &str = "shadow_depth";
+    let side = if splits.splits.is_empty() {
+        1
+    } else {
+        job.tile
+    };
+    let format = TextureFormat::Rgba32Float;
+    plan.textures.push(texture(MAP, format, [side, side]));
+    plan.textures.push(texture(NEAREST, DEPTH, [side, side]));
+    // Compared by hand.
+    plan.samplers.clear();
+    for (split, channels) in splits.splits.iter().zip(CHANNELS) {
+        let mut pass = pass(split, NEAREST, whole(job));
+        pass.color = Some(ColorTarget {
+            texture: MAP.to_owned(),
+            channels,
+        });
+        plan.passes.push(Pass::Casters(pass));
+    }
+}
+
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+
+fn texture(name: &str, format: TextureFormat, [width, height]: [u32; 2]) -> TextureDesc {
+    TextureDesc {
+        name: name.to_owned(),
+        format,
+        width,
+        height,
+        shape: TextureShape::D2,
+    }
+}
+
+fn whole(job: &Job) -> Viewport {
+    Viewport {
+        x: 0,
+        y: 0,
+        width: job.tile,
+        height: job.tile,
+    }
+}
+
+/// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform
+/// a mirror.
+fn pass(split: &Split, target: &str, viewport: Viewport) -> CasterPass {
+    CasterPass {
+        target: target.to_owned(),
+        color: None,
+        layer: 0,
+        viewport,
+        clear: Some(0.0),
+        depth_test: DepthTest {
+            compare: CompareFunction::GreaterEqual,
+            unclipped: false,
+        },
+        cull: None,
+        view_proj: split.view_proj.as_mat4(),
+        casters: split.casters.clone(),
+        receivers: Some(split.depths),
+    }
+}
+
+/// The members of `PssmShadow`, for any lookup and transition.
+fn constants(job: &Job, splits: &Splits, columns: f32) -> Constants {
+    let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
+        let value = |i: usize| splits.splits.get(i).map_or(none, |s| value(s) as f32);
+        let four = |i: usize| Vec4::from_array([0, 1, 2, 3].map(|j| value(4 * i + j)));
+        Value::Array(vec![Value::Vec4(four(0)), Value::Vec4(four(1))])
+    };
+    let length = |split: &Split| job.band * (split.depths[1] - split.depths[0]);
+    // The last split, and one before a gap, passes into nothing.
+    let has_next = |split: &Split| {
+        let mut all = splits.splits.iter();
+        all.any(|next| next.depths[0] == split.depths[1])
+    };
+    let rate = |split: &Split| {
+        if has_next(split) {
+            1.0 / length(split)
+        } else {
+            0.0
+        }
+    };
+    let reach = splits
+        .splits
+        .last()
+        .map_or(f32::MIN, |last| last.depths[1] as f32);
+    Constants::new()
+        .with("base", Value::Mat4(splits.base.as_mat4()))
+        .with("forward", Value::Vec3(job.forward().as_vec3()))
+        .with("reach", Value::F32(reach))
+        .with("ends", splits_of(&|split| split.depths[1], f32::MAX))
+        .with(
+            "bands",
+            splits_of(&|split| split.depths[1] - length(split), 0.0),
+        )
+        .with("band_rates", splits_of(&rate, 0.0))
+        .with("tile", Value::F32(job.tile as f32))
+        .with("columns", Value::F32(columns))
+        .with("crops", crops(splits))
+        .with("crop_places", crop_columns(splits, 0))
+        .with("crop_depths", crop_columns(splits, 1))
+        .with("maps", Value::Array(split_maps(splits, FEW)))
+}
+
+/// Each split's crop, for all splits that there may be.
+fn crops(splits: &Splits) -> Value {
+    let crop = |i| {
+        let split = splits.splits.get(i);
+        let [place, depth] = split.map_or([Vec4::ZERO; 2], crop);
+        let members = Constants::new().with("place", Value::Vec4(place));
+        Value::Struct(members.with("depth", Value::Vec4(depth)))
+    };
+    Value::Array((0..MAX_SPLITS).map(crop).collect())
+}
+
+/// The two members of a `Crop`.
+fn crop(split: &Split) -> [Vec4; 2] {
+    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let place = DVec4::new(scale.x, scale.y, offset.x, offset.y);
+    let depth = DVec4::new(scale.z, offset.z, bias.x, bias.y);
+    [place.as_vec4(), depth.as_vec4()]
+}
+
+/// A member of the first splits' crops, a column for each.
+fn crop_columns(splits: &Splits, member: usize) -> Value {
+    let column = |i: usize| {
+        let split = splits.splits.get(i);
+        split.map_or(Vec4::ZERO, |split| crop(split)[member])
+    };
+    Value::Mat4(Mat4::from_cols(column(0), column(1), column(2), column(3)))
+}
+
+/// The rows from the world to a split's map, before the division, and what else a `SplitMap` holds.
+fn rows(base: &DMat4, split: &Split) -> [DVec4; MATRIX_ROWS as usize] {
+    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let row = |i: usize| base.row(i) * scale[i] + base.row(3) * offset[i];
+    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, bias.x, bias.y);
+    [row(0), row(1), row(2), base.row(3), rest]
+}
+
+/// A `SplitMap` for each of `count` splits.
+fn split_maps(splits: &Splits, count: usize) -> Vec<Value> {
+    let split_map = |i: usize| {
+        let split = splits.splits.get(i);
+        let [x, y, z, w, rest] = split.map_or([DVec4::ZERO; 5], |split| rows(&splits.base, split));
+        let matrix = DMat4::from_cols(x, y, z, w).transpose();
+        let members = Constants::new().with("world_to_map", Value::Mat4(matrix.as_mat4()));
+        Value::Struct(members.with("slope_and_bias", Value::Vec4(rest.as_vec4())))
+    };
+    (0..count).map(split_map).collect()
+}
+
+/// A column of numbers for each split.
+fn matrix_texture(plan: &mut ShadowPlan, splits: &Splits) {
+    const NAME: &str = "split_matrices";
+    let columns: Vec<_> = splits
+        .splits
+        .iter()
+        .map(|split| rows(&splits.base, split))
+        .collect();
+    let columns = if columns.is_empty() {
+        vec![[DVec4::ZERO; MATRIX_ROWS as usize]]
+    } else {
+        columns
+    };
+    let size = [columns.len() as u32, MATRIX_ROWS];
+    let texels = (0..MATRIX_ROWS as usize).flat_map(|row| columns.iter().map(move |c| c[row]));
+    let numbers = texels.flat_map(|texel| texel.as_vec4().to_array());
+    plan.contents.push(Contents {
+        texture: NAME.to_owned(),
+        bytes: numbers.flat_map(f32::to_le_bytes).collect(),
+    });
+    plan.textures
+        .push(texture(NAME, TextureFormat::Rgba32Float, size));
+}

@@ -1,0 +1,150 @@
+//! Parallel-split shadow maps (Zhang et al. 2006; Engel 2007 called them cascaded): the view's depths are split,
+//! and each split has a map of its own. Its shader half is `methods/pssm.wesl` and the folder beside it;
+//! [`crate::pssm_twin`] is the same computation on the CPU.
+//!
+//! # How it works
+//! The range of view depths where receivers are seen, no farther than `shadow_distance`, is split by the
+//! practical scheme (see [`split_depths`](umbrage_shadow::split_depths)). Each split's map holds the receivers seen
+//! in it; a split without any has no map, no pass, and no texels. Into it are drawn the casters between its
+//! receivers and the light, with the near plane at the nearest of them. Of a spot light the maps are crops of
+//! the light's own perspective, before its division.
+//!
+//! All maps are tiles of one atlas. What a map is read for ends a filter's reach before the tile's edge, and
+//! fetches are clamped to the tile besides.
+//!
+//! Two ways to fit, the axis `fit`:
+//! - `stable`: a map is a square around the split's bounding sphere, whose size depends on neither the place
+//!   of the camera nor where it looks. Its corner stands on a grid of texels that is fixed in the world, in f64. So
+//!   a texel covers the same part of the world from frame to frame, and edges do not crawl. The range's ends
+//!   are rounded outwards to powers of two: they seldom change. Of a spot light, the square around the receivers is
+//!   rounded up to a power of √2, on a grid that is fixed to the light.
+//! - `tight`: the rectangle of the receivers seen in the split, and the range as it is. Texels are finer, and
+//!   follow the view from frame to frame.
+//!
+//! # Settings and axes
+//! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
+//! split's own map, towards the light), `band` (of a split's length). What the shader does: `pcf` and
+//! `receiver_bias` as for [`crate::basic`]; `transition` says what happens in the band before a split's end
+//! (nothing, a blend with the next split's map, or a choice between the two by noise); `lookup` how the place in
+//! a split's map is found. All lookups give the same shadow:
+//!
+//! - `packed`: the light's matrix once, and each split's crop, an offset and a scale.
+//!
+//! # Cost
+//! A pass for each split, and ((W + 1) / 2)² fetches a pixel for width W; twice as many where `transition` is
+//! `blend` and the pixel is in a band.
+//!
+//! # Limits
+//! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
+//! at their own depth plus `depth_bias`, as with [`crate::basic`]. Between splits, the size of texels jumps.
+
+mod fit;
+mod lookup;
+
+use umbrage_shadow::{
+    Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
+};
+
+use lookup::Lookup;
+
+/// The method `pssm`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pssm;
+
+const NO_CUBES: &str = "a cube map has no splits; choose another method for point lights";
+
+const SETTINGS: [Setting; 6] = [
+    Setting {
+        name: "splits",
+        doc: "how many splits the range of view depths has",
+        min: 1.0,
+        max: umbrage_shadow::MAX_SPLITS as f64,
+        default: 4.0,
+        whole: true,
+    },
+    Setting {
+        name: "lambda",
+        doc: "from splits of equal lengths (0) to splits of equal ratios (1)",
+        min: 0.0,
+        max: 1.0,
+        default: 1.0,
+        whole: false,
+    },
+    Setting {
+        name: "shadow_distance",
+        doc: "the view depth beyond which there is no shadow, metres; 0 for all that is seen",
+        min: 0.0,
+        max: 1e9,
+        default: 0.0,
+        whole: false,
+    },
+    Setting {
+        name: "resolution",
+        doc: "texels along each side of a split's map",
+        min: 64.0,
+        max: umbrage_shadow::Atlas::MOST_TEXELS as f64,
+        default: 1024.0,
+        whole: true,
+    },
+    Setting {
+        name: "depth_bias",
+        doc: "how far a receiver is moved towards the light before it is compared, in its map's texels",
+        min: 0.0,
+        max: 64.0,
+        default: 1.5,
+        whole: false,
+    },
+    Setting {
+        name: "band",
+        doc: "the share of a split's length in which it passes into the next",
+        min: 0.01,
+        max: 1.0,
+        default: 0.1,
+        whole: false,
+    },
+];
+
+impl ShadowMethod for Pssm {
+    fn name(&self) -> &str {
+        "pssm"
+    }
+
+    fn settings(&self) -> &[Setting] {
+        &SETTINGS
+    }
+
+    fn axes(&self) -> &[&str] {
+        &["fit", "lookup", "pcf", "receiver_bias", "transition"]
+    }
+
+    fn supports(&self, light: &Light) -> Support {
+        match light.kind {
+            LightKind::Point { .. } => Support::No(NO_CUBES.to_owned()),
+            _ => Support::Yes,
+        }
+    }
+
+    fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
+        let job = fit::Job::new(frame, &SETTINGS)?;
+        let splits = match frame.light.kind {
+            LightKind::Directional { direction } => job.directional(direction.normalize())?,
+            LightKind::Spot {
+                position,
+                direction,
+                outer_angle,
+                range,
+                ..
+            } => {
+                let position = position - job.boxes.origin;
+                job.spot(position, direction.normalize(), outer_angle, range)?
+            }
+            LightKind::Point { .. } => {
+                return Err(PlanError::Unsupported {
+                    method: self.name().to_owned(),
+                    reason: NO_CUBES.to_owned(),
+                });
+            }
+        };
+        lookup::plan(&job, &splits)
+    }
+}

@@ -1,0 +1,264 @@
+//! Plans of `pssm`, without a GPU: which splits there are, what their maps hold, where their texels lie, and
+//! what each lookup reads of them.
+
+#![allow(clippy::panic, reason = "a helper that panics fails its test")]
+
+mod lookups;
+mod scene;
+
+use glam::{DQuat, DVec2, DVec3, Vec4Swizzles};
+use proptest::prelude::*;
+use umbrage_methods::pssm::Pssm;
+use umbrage_shadow::*;
+
+use crate::scene::{Scene, ground, passes, post, sun};
+
+fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+    [-range..range, -range..range, -range..range].prop_map(DVec3::from)
+}
+
+fn lamp() -> LightKind {
+    LightKind::Spot {
+        position: DVec3::new(2.0, 9.0, -4.0),
+        direction: DVec3::new(-0.2, -1.0, -0.3).normalize(),
+        inner_angle: 0.3,
+        outer_angle: 0.8,
+        range: 40.0,
+    }
+}
+
+proptest! {
+    /// Every point that is seen, shadowed, and in the light falls into its split's map, a filter's reach from its edge,
+    /// and lies between its planes; and so does what may shade it, or it lies in front of no pass's casters.
+    #[test]
+    fn a_map_holds_the_receivers_of_its_split(
+        at in prop::collection::vec(vector(1.0), 32), yaw in -3.0..3.0, pitch in -1.2..0.3,
+        place in vector(30.0), spot in any::<bool>(), fit in 0usize..2, transition in 0usize..3, splits in 1..=8u32,
+        half in 0u32..8,
+    ) {
+        let kind = if spot { lamp() } else { sun() };
+        let mut scene = Scene::new(kind.clone());
+        scene.view.position = place + DVec3::Y * 31.0;
+        scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+        scene.receivers = vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)];
+        scene.casters = scene.receivers.clone();
+        scene.choose("fit", ["stable", "tight"][fit]);
+        scene.choose("transition", ["hard", "blend", "dither"][transition]);
+        scene.choose("pcf", &(2 * half + 1).to_string());
+        scene.set("splits", f64::from(splits));
+        let plan = scene.plan()?;
+        let margin = f64::from(half) + 1.0;
+        let passes = passes(&plan);
+        prop_assert!(passes.len() <= splits as usize);
+        for t in at {
+            let receiver = &scene.receivers[usize::from(t.x > 0.8)];
+            let point = receiver.center() + 0.5 * t * (receiver.max - receiver.min);
+            let relative = point - scene.view.position;
+            let seen = scene.view.frustum().contains(point) && in_light(&kind, point);
+            if !seen {
+                continue;
+            }
+            let depth = relative.dot(scene.view.forward());
+            let pass = passes.iter().find(|pass| depth < pass.receivers.unwrap_or_default()[1]);
+            let Some(pass) = pass else { panic!("{depth} is in no split of {passes:?}") };
+            let clip = pass.view_proj.as_dmat4().project_point3(relative);
+            let size = f64::from(pass.viewport.width);
+            let texel = DVec2::new(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y) * size;
+            prop_assert!(texel.min_element() > margin && texel.max_element() < size - margin, "{texel}");
+            prop_assert!((0.0..=1.0).contains(&clip.z), "{clip}");
+        }
+    }
+
+    /// The texels of the stable fit lie on one grid of the world's, wherever the camera is and looks.
+    #[test]
+    fn stable_texels_stay_where_they_are(
+        steps in prop::collection::vec((vector(2.0), -3.0..3.0, -0.7..0.0), 4), far_away in any::<bool>(),
+    ) {
+        let origin = if far_away { DVec3::new(1e6, 0.0, -1e6) } else { DVec3::ZERO };
+        let mut grids: Vec<Vec<(f64, DVec2)>> = Vec::new();
+        for (place, yaw, pitch) in steps {
+            let mut scene = Scene::new(sun());
+            scene.view.position = origin + place + DVec3::Y * 5.0;
+            scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+            // Around and below, so that the whole range is seen wherever the camera looks.
+            scene.receivers = vec![Aabb { min: origin - 900.0, max: origin + 900.0 }];
+            let plan = scene.plan()?;
+            let grid = crops(&plan).into_iter().map(|(scale, offset)| {
+                // The texel that the world's origin, as seen along the light, would have: in f64 again, for what
+                // f32 loses is lost in texels near the camera.
+                let anchor = Lens::directional(direction()).place(scene.view.position).0;
+                (scale, offset - anchor * DVec2::new(scale, -scale))
+            });
+            grids.push(grid.collect());
+        }
+        let first = grids[0].clone();
+        prop_assert_eq!(first.len(), 4);
+        for grid in grids {
+            for ((scale, offset), (same, other)) in grid.into_iter().zip(&first) {
+                prop_assert_eq!(scale, *same);
+                // f32 holds an offset of up to a tile's texels to a 10,000th of one.
+                let texels = offset - *other;
+                let apart = (texels - texels.round()).abs().max_element();
+                prop_assert!(apart < 1e-3, "{apart} of a texel");
+            }
+        }
+    }
+}
+
+fn direction() -> DVec3 {
+    match sun() {
+        LightKind::Directional { direction } => direction,
+        _ => DVec3::ZERO,
+    }
+}
+
+/// Texels a metre, and the place of the light's axis in texels, of each split.
+fn crops(plan: &ShadowPlan) -> Vec<(f64, DVec2)> {
+    let Some(Value::Array(crops)) = plan.constants.get("crops") else {
+        return Vec::new();
+    };
+    let crop = |value: &Value| match value {
+        Value::Struct(members) => match members.get("place") {
+            Some(Value::Vec4(place)) => (f64::from(place.x), place.zw().as_dvec2()),
+            _ => (0.0, DVec2::ZERO),
+        },
+        _ => (0.0, DVec2::ZERO),
+    };
+    crops.iter().take(plan.passes.len()).map(crop).collect()
+}
+
+fn in_light(kind: &LightKind, point: DVec3) -> bool {
+    match kind {
+        LightKind::Spot {
+            position,
+            direction,
+            outer_angle,
+            range,
+            ..
+        } => {
+            let offset = point - position;
+            offset.length() < *range && offset.angle_between(*direction) < *outer_angle
+        }
+        _ => true,
+    }
+}
+
+/// A view of a near and a far group, with nothing between: no split is drawn for the gap, and the atlas has no
+/// tile for it.
+#[test]
+fn a_split_without_receivers_costs_nothing() {
+    let mut scene = Scene::new(sun());
+    let near = post(DVec3::new(0.0, -0.5, -2.0), 1.0);
+    let far = post(DVec3::new(0.0, -0.5, -150.0), 1.0);
+    scene.receivers = vec![near, far];
+    scene.casters = vec![near, far];
+    let plan = scene.plan().expect("a plan");
+    let passes = passes(&plan);
+    assert_eq!(passes.len(), 2, "{passes:?}");
+    assert_eq!(
+        (plan.textures[0].width, plan.textures[0].height),
+        (2048, 1024)
+    );
+    // Each map has the one caster that can reach it.
+    assert_eq!(passes[0].casters, [0]);
+    assert_eq!(passes[1].casters, [1]);
+}
+
+/// A tower beside the view, towards the light, shades what is seen, and is drawn with nothing cut away.
+#[test]
+fn casters_out_of_sight_are_drawn() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(50.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    let tower = Aabb {
+        min: DVec3::new(-1.0, 0.0, -11.0) - 200.0 * direction(),
+        max: DVec3::new(1.0, 2.0, -9.0) - 200.0 * direction(),
+    };
+    // Nor is it drawn where its shadow does not fall.
+    let beside = tower.translate(DVec3::X * 500.0);
+    scene.casters = vec![tower, beside];
+    let plan = scene.plan().expect("a plan");
+    let holding: Vec<_> = passes(&plan)
+        .into_iter()
+        .filter(|pass| pass.casters == [0])
+        .collect();
+    let shaded = |pass: &&CasterPass| pass.receivers.is_some_and(|[a, b]| a < 10.0 && 10.0 < b);
+    assert_eq!(holding.iter().filter(shaded).count(), 1);
+    let drawn = passes(&plan)
+        .into_iter()
+        .any(|pass| pass.casters.contains(&1));
+    assert!(!drawn);
+    for corner in tower.corners() {
+        for pass in &holding {
+            let relative = corner - scene.view.position;
+            let clip = pass.view_proj.as_dmat4().project_point3(relative);
+            let beside = clip.truncate().abs().max_element() > 1.0;
+            assert!(beside || clip.z < 1.0, "{clip} is cut away");
+        }
+    }
+}
+
+#[test]
+fn shadows_end_at_their_distance() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    scene.set("shadow_distance", 20.0);
+    let plan = scene.plan().expect("a plan");
+    assert_eq!(plan.shadow_distance, Some(20.0));
+    assert_eq!(plan.constants.get("reach"), Some(&Value::F32(20.0)));
+    let last = passes(&plan).last().and_then(|pass| pass.receivers);
+    assert_eq!(last.map(|depths| depths[1]), Some(20.0));
+    // All that is seen lies beyond.
+    scene.receivers = vec![post(DVec3::new(0.0, 0.0, -60.0), 2.0)];
+    let plan = scene.plan().expect("a plan");
+    assert!(plan.passes.is_empty());
+    assert_eq!(plan.constants.get("reach"), Some(&Value::F32(f32::MIN)));
+}
+
+#[test]
+fn what_cannot_be_planned_is_told() {
+    let point = LightKind::Point {
+        position: DVec3::ZERO,
+        range: 3.0,
+    };
+    let mut scene = Scene::new(point);
+    let message = |scene: &Scene| {
+        scene
+            .plan()
+            .map_err(|e| e.to_string())
+            .err()
+            .unwrap_or_default()
+    };
+    assert_eq!(
+        message(&scene),
+        "method `pssm` cannot shadow this light: a cube map has no splits; choose another method for point lights"
+    );
+    assert!(matches!(Pssm.supports(&scene.light), Support::No(_)));
+    scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    scene.set("resolution", 8192.0);
+    assert!(
+        message(&scene).contains("choose smaller tiles or fewer splits"),
+        "{}",
+        message(&scene)
+    );
+    scene.set("resolution", 1024.0);
+    scene.set("splits", 5.0);
+    scene.choose("lookup", "masks");
+    assert_eq!(
+        message(&scene),
+        "the setting `splits` is 5, but must be 4 at the most with the lookup `masks`; `packed`, `storage` and `matrix_texture` hold 8"
+    );
+    for (axis, value) in [
+        ("lookup", "best"),
+        ("fit", "loose"),
+        ("transition", "slow"),
+        ("pcf", "4"),
+    ] {
+        let mut scene = Scene::new(sun());
+        scene.choose(axis, value);
+        assert!(message(&scene).contains(&format!("the axis `{axis}` is {value}")));
+    }
+}

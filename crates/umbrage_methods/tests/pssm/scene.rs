@@ -1,0 +1,102 @@
+//! A scene to plan for, and its plan's parts.
+
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3, Vec3};
+use umbrage_methods::pssm::Pssm;
+use umbrage_shadow::*;
+
+#[derive(Clone, Debug)]
+pub(crate) struct Scene {
+    pub(crate) view: View,
+    pub(crate) light: Light,
+    pub(crate) casters: Vec<Aabb>,
+    pub(crate) receivers: Vec<Aabb>,
+    axes: BTreeMap<String, String>,
+    settings: BTreeMap<String, f64>,
+}
+
+impl Scene {
+    pub(crate) fn new(kind: LightKind) -> Self {
+        let axes = [
+            ("fit", "stable"),
+            ("lookup", "packed"),
+            ("pcf", "3"),
+            ("receiver_bias", "plane"),
+            ("transition", "hard"),
+        ];
+        Self {
+            view: View {
+                position: DVec3::ZERO,
+                rotation: DQuat::IDENTITY,
+                projection: Projection {
+                    fov_y: 1.0,
+                    aspect: 1.5,
+                    near: 0.05,
+                    far: 200.0,
+                },
+            },
+            light: Light {
+                kind,
+                color: Vec3::ONE,
+            },
+            casters: Vec::new(),
+            receivers: Vec::new(),
+            axes: axes.map(|(a, v)| (a.to_owned(), v.to_owned())).into(),
+            settings: BTreeMap::new(),
+        }
+    }
+
+    pub(crate) fn choose(&mut self, axis: &str, value: &str) {
+        self.axes.insert(axis.to_owned(), value.to_owned());
+    }
+
+    pub(crate) fn set(&mut self, setting: &str, value: f64) {
+        self.settings.insert(setting.to_owned(), value);
+    }
+
+    pub(crate) fn plan(&self) -> Result<ShadowPlan, PlanError> {
+        let chosen = self.settings.iter().map(|(name, v)| (name.as_str(), *v));
+        let settings = Settings::check(Pssm.settings(), chosen).expect("settings in range");
+        Pssm.plan(&Frame {
+            view: &self.view,
+            light: &self.light,
+            casters: Casters {
+                casters: &self.casters,
+                receivers: &self.receivers,
+            },
+            settings: &settings,
+            axes: &self.axes,
+        })
+    }
+}
+
+pub(crate) fn sun() -> LightKind {
+    LightKind::Directional {
+        direction: DVec3::new(0.4, -1.0, 0.3).normalize(),
+    }
+}
+
+/// A flat ground at height 0, `half` metres to each side.
+pub(crate) fn ground(half: f64) -> Aabb {
+    Aabb {
+        min: DVec3::new(-half, 0.0, -half),
+        max: DVec3::new(half, 0.0, half),
+    }
+}
+
+/// Half a metre to each side, from `foot` up.
+pub(crate) fn post(foot: DVec3, height: f64) -> Aabb {
+    Aabb {
+        min: foot - DVec3::new(0.5, 0.0, 0.5),
+        max: foot + DVec3::new(0.5, height, 0.5),
+    }
+}
+
+pub(crate) fn passes(plan: &ShadowPlan) -> Vec<CasterPass> {
+    let casters = plan.passes.iter().filter_map(|pass| match pass {
+        Pass::Casters(pass) => Some(pass.clone()),
+        _ => None,
+    });
+    casters.collect()
+}
