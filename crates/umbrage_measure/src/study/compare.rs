@@ -186,7 +186,7 @@ impl Run<'_> {
         moving: &[Subject<'_>],
         config: &Config,
     ) -> Result<Result<(Row, Pictures), String>, StudyError> {
-        if let Some(reason) = self.lab.refusal(self.scene, &config.method)? {
+        if let (_, Some(reason)) = self.lab.lights(self.scene, &config.method)? {
             return Ok(Err(reason));
         }
         let options = config.options(subject.size());

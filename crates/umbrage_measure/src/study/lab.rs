@@ -65,21 +65,24 @@ impl Lab {
         &self.adapter
     }
 
-    /// Why `method` cannot be tried on `scene`, where it cannot.
-    pub(super) fn refusal(
+    /// The lights of `scene` that `method` can shadow, by their places, and why it cannot shadow the first
+    /// of the others.
+    pub(super) fn lights(
         &self,
         scene: &Scene,
         method: &str,
-    ) -> Result<Option<String>, StudyError> {
+    ) -> Result<(Vec<usize>, Option<String>), StudyError> {
         let method = self.registry.get(method).map_err(StudyError::Method)?;
-        let reason = scene
-            .lights
-            .iter()
-            .find_map(|light| match method.supports(&light.light) {
-                Support::Yes => None,
-                Support::No(reason) => Some(format!("light `{}`: {reason}", light.name)),
-            });
-        Ok(reason)
+        let (mut lights, mut refusal) = (Vec::new(), None);
+        for (index, light) in scene.lights.iter().enumerate() {
+            match method.supports(&light.light) {
+                Support::Yes => lights.push(index),
+                Support::No(reason) => {
+                    refusal.get_or_insert(format!("light `{}`: {reason}", light.name));
+                }
+            }
+        }
+        Ok((lights, refusal))
     }
 
     /// The scene as the rasteriser sees it, beside its truth.

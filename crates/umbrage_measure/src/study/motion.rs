@@ -64,6 +64,19 @@ impl Moving {
         frames.collect::<Result<_, StudyError>>().map(Self)
     }
 
+    /// The same in the light of some of the lights alone, by their places.
+    pub(super) fn lit_by(&self, lights: &[usize]) -> Self {
+        let frames = self.0.iter().map(|(scene, truth)| {
+            let mut scene = scene.clone();
+            scene.lights = lights
+                .iter()
+                .map(|light| scene.lights[*light].clone())
+                .collect();
+            (scene, truth.lit_by(lights))
+        });
+        Self(frames.collect())
+    }
+
     /// What the rasteriser sees in each picture.
     pub(super) fn subjects(&self, lab: &mut Lab) -> Result<Vec<Subject<'_>>, RenderError> {
         let frames = self.0.iter();

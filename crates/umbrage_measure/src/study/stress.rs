@@ -40,16 +40,17 @@ pub struct CaseResult {
 /// What came of trying methods in hard cases.
 #[derive(Clone, Debug, Default)]
 pub struct Stressed {
-    /// One result for each case and each method that can shadow its lights.
+    /// One result for each case and each method that can shadow one of its lights.
     pub results: Vec<CaseResult>,
-    /// The methods that cannot shadow a case's lights: case, method and reason.
+    /// The methods that can shadow none of a case's lights: case, method and reason.
     pub skipped: Vec<(&'static str, String, String)>,
     /// Damaged cache entries.
     pub warnings: Vec<String>,
 }
 
 /// Draws each of `cases` with each of `methods`, and holds the errors against `limits`. A case that must look
-/// like another wants that one among `cases`, before it.
+/// like another wants that one among `cases`, before it. Of a case's lights those are measured that the method can
+/// shadow.
 ///
 /// # Errors
 /// A method that is not registered, and what cannot be traced or rendered.
@@ -78,13 +79,15 @@ pub fn stress(
                 source,
             }
         };
-        let subjects = moving.subjects(lab).map_err(render("no shadow method"))?;
         for name in methods {
             progress.step();
-            if let Some(reason) = lab.refusal(&case.scene, name)? {
+            let (lights, refusal) = lab.lights(&case.scene, name)?;
+            if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
                 stressed.skipped.push((case.name, name.clone(), reason));
                 continue;
             }
+            let moving = moving.lit_by(&lights);
+            let subjects = moving.subjects(lab).map_err(render(name))?;
             let method = lab.registry().get(name).map_err(StudyError::Method)?;
             let options = case.options(method.as_ref(), What::ShadowTerm);
             let rendered = subjects.iter().map(|subject| lab.terms(subject, &options));

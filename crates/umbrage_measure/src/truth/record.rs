@@ -53,6 +53,21 @@ impl Truth {
         Ok(Self { sight, terms, gaps })
     }
 
+    /// The truth in the light of some of the lights alone, by their places in the scene.
+    pub(crate) fn lit_by(&self, lights: &[usize]) -> Self {
+        Self {
+            sight: self.sight.clone(),
+            terms: lights
+                .iter()
+                .map(|light| self.terms[*light].clone())
+                .collect(),
+            gaps: lights
+                .iter()
+                .map(|light| self.gaps[*light].clone())
+                .collect(),
+        }
+    }
+
     /// How many rows of pixels [`Truth::trace`] goes through for a picture `height` pixels high.
     pub fn rows(scene: &Scene, height: u32) -> usize {
         height as usize * (1 + 2 * scene.lights.len())
