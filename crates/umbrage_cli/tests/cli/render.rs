@@ -43,6 +43,28 @@ fn a_scene_becomes_a_picture() {
 }
 
 #[test]
+fn both_paths_draw_one_picture() {
+    let folder = TempDir::new().expect("a folder");
+    let pictures = ["forward", "mask"].map(|path| {
+        let out = path_in(&folder, path);
+        let out = format!("{out}.png");
+        let output = umbrage(&[
+            "render", SCENE, "--size", "80x45", "--path", path, "--out", &out,
+        ]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let mut lines = stderr(&output).lines();
+        let of_mask = |line: &str| line.contains("pass=mask") && line.contains("for the shadow of");
+        let masked = lines.any(of_mask);
+        assert_eq!(masked, path == "mask", "{}", stderr(&output));
+        image::open(&out).expect("a picture").into_rgb8()
+    });
+    let [forward, mask] = pictures.each_ref().map(|picture| picture.as_raw());
+    // A code of 8 bits, where a value lies between two.
+    let alike = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
+    assert!(forward.iter().zip(mask).all(alike));
+}
+
+#[test]
 fn a_person_reads_what_each_permutation_was_for() {
     let folder = TempDir::new().expect("a folder");
     let out = path_in(&folder, "a.png");
