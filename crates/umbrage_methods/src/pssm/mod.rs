@@ -46,8 +46,8 @@
 //!
 //! | lookup | instructions | registers | fetches | then |
 //! | --- | ---: | ---: | ---: | ---: |
-//! | `branches` | 716 | 24 | 4 | |
-//! | `weights` | 709 | 40 | 16 | 25, improved 15 |
+//! | `branches` | 716 | 24 | 4 | 25 |
+//! | `weights` | 709 | 40 | 16 | 15 |
 //! | `matrix_texture` | 265 | 32 | 9 | 19 |
 //! | `packed` | 272 | 24 | 4 | |
 //! | `masks` | 297 | 24 | 4 | |
