@@ -269,6 +269,7 @@ fn constants(job: &Job, splits: &Splits, columns: f32) -> Constants {
         .with("band_rates", splits_of(&rate, 0.0))
         .with("tile", Value::F32(job.tile as f32))
         .with("columns", Value::F32(columns))
+        .with("rows_a_tile", Value::F32(1.0 / columns))
         .with("crops", crops(splits))
         .with("crop_places", crop_columns(splits, 0))
         .with("crop_depths", crop_columns(splits, 1))

@@ -28,11 +28,31 @@
 //! (nothing, a blend with the next split's map, or a choice between the two by noise); `lookup` how the place in
 //! a split's map is found. All lookups give the same shadow:
 //!
-//! - `packed`: the light's matrix once, and each split's crop, an offset and a scale.
+//! - `packed`: the light's matrix once, and each split's crop, an offset and a scale, from the uniform block.
+//! - `storage`: each split's whole matrix from a storage buffer.
+//! - `matrix_texture`: the same from a texture, row by row; five fetches more, the fifth for bias and slope.
+//! - `masks`: the crops of four splits as matrices, multiplied with a mask; nothing is found by number.
+//! - `branches`: a texture for each of four splits, found by a chain of branches.
+//! - `weights`: the same; all four are filtered, and one is weighted.
+//! - `channels`: four splits in the channels of one `rgba32float` texture; texels are loaded and compared by hand.
 //!
 //! # Cost
 //! A pass for each split, and ((W + 1) / 2)² fetches a pixel for width W; twice as many where `transition` is
-//! `blend` and the pixel is in a band.
+//! `blend` and the pixel is in a band. `weights` makes four times as many, `matrix_texture` five more, and
+//! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four.
+//!
+//! What a compiler makes of the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
+//! permutations/demo.ron`), beside what the idea's author counted on arbfp1:
+//!
+//! | lookup | instructions | registers | fetches | then |
+//! | --- | ---: | ---: | ---: | ---: |
+//! | `branches` | 716 | 24 | 4 | 25 |
+//! | `weights` | 709 | 40 | 16 | 15 |
+//! | `matrix_texture` | 265 | 32 | 9 | 19 |
+//! | `packed` | 272 | 24 | 4 | |
+//! | `masks` | 297 | 24 | 4 | |
+//! | `channels` | 385 | 32 | 16 | |
+//! | `storage` | 262 | 32 | 4 | |
 //!
 //! # Limits
 //! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
