@@ -38,7 +38,8 @@ pub struct Case {
     pub scene: Scene,
     /// Values of the method's axes that make the case; of a method without the axis, none.
     pub axes: BTreeMap<&'static str, &'static str>,
-    /// Values of the method's settings that make the case; of a method without the setting, none.
+    /// Values of the method's settings that make the case, or the nearest that the method allows; of a
+    /// method without the setting, none.
     pub settings: BTreeMap<&'static str, f64>,
     /// The frames of a motion, in order; empty where the scene's own camera is the only one.
     pub frames: Vec<Camera>,
@@ -61,9 +62,13 @@ impl Case {
     /// How `method` is asked to render this case: its defaults, but for what makes the case.
     pub fn options(&self, method: &dyn ShadowMethod, what: What) -> RenderOptions {
         let has_axis = |axis: &&str| method.axes().contains(axis);
-        let has_setting = |name: &&str| method.settings().iter().any(|s| s.name == *name);
+        let setting = |name: &str| method.settings().iter().find(|s| s.name == name);
         let axes = self.axes.iter().filter(|(axis, _)| has_axis(axis));
-        let settings = self.settings.iter().filter(|(name, _)| has_setting(name));
+        // As near to what makes the case as the method can come.
+        let settings = self.settings.iter().filter_map(|(name, value)| {
+            let setting = setting(name)?;
+            Some(((*name).to_owned(), value.clamp(setting.min, setting.max)))
+        });
         RenderOptions {
             width: self.size.0,
             height: self.size.1,
@@ -72,7 +77,7 @@ impl Case {
             axes: axes
                 .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
                 .collect(),
-            settings: settings.map(|(name, v)| ((*name).to_owned(), *v)).collect(),
+            settings: settings.collect(),
             ..RenderOptions::default()
         }
     }
