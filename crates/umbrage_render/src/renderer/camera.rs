@@ -7,10 +7,10 @@ use glam::Vec3;
 use super::{
     Renderer, Shot,
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, record, unfiltered},
+    draw::{Command, FrameState, LightInputs, PassInputs, record},
     lights::{self, LightSetup},
     pipelines::{ColorState, DrawState},
-    resources::ShadowResources,
+    resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target},
 };
 use crate::{Picture, RenderError};

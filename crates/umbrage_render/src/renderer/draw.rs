@@ -495,23 +495,3 @@ fn unknown(key: &Key, binding: &Binding, known: &str) -> RenderError {
     let problem = format!("the shader reads it, but it is none of {known}");
     RenderError::binding(key, binding, problem)
 }
-
-/// The names in a light's group that must not be filtered: textures of formats that no device must
-/// be able to filter, and samplers that do not ask to.
-pub(super) fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
-    use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
-    let Some(shadow) = shadow else {
-        return BTreeSet::new();
-    };
-    let textures = shadow
-        .textures
-        .iter()
-        .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
-        .map(|(name, _)| name);
-    let samplers = shadow
-        .samplers
-        .iter()
-        .filter(|(_, (desc, _))| desc.filter == wgpu::FilterMode::Nearest)
-        .map(|(name, _)| name);
-    textures.chain(samplers).cloned().collect()
-}

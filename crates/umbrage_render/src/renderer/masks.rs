@@ -8,9 +8,9 @@ use umbrage_shadow::{Aabb, Constants, Value, View};
 use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
-    draw::{FrameState, LightInputs, PassInputs, record, unfiltered},
+    draw::{FrameState, LightInputs, PassInputs, record},
     pipelines::{ColorState, DrawState},
-    resources::ShadowResources,
+    resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target, begin},
 };
 use crate::RenderError;
