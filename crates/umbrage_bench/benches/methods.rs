@@ -1,0 +1,185 @@
+//! What the variants of a method cost against each other, and what methods err at equal memory: ratios taken
+//! in one run, on an avenue that one map cannot resolve.
+#![allow(
+    clippy::print_stdout,
+    reason = "a benchmark reports on standard output"
+)]
+
+use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
+
+use serde::Serialize;
+use umbrage_bench::write_report;
+use umbrage_compose::{Composer, Library, Stage, Target};
+use umbrage_isa::{Compiler, CompilerOptions, PipelineState};
+use umbrage_measure::{
+    report::{Row, Spread},
+    study::{CompareOptions, Config, Lab, compare},
+};
+use umbrage_render::{Gpu, Scene};
+
+/// The ways in which `pssm` finds a split's map, the naive one first.
+const LOOKUPS: [&str; 7] = [
+    "branches",
+    "weights",
+    "matrix_texture",
+    "packed",
+    "masks",
+    "channels",
+    "storage",
+];
+
+/// The one that ships as default.
+const DEFAULT: &str = "packed";
+
+#[derive(Serialize)]
+struct Report {
+    adapter: String,
+    family: String,
+    /// The least inverse throughput of all variants over the naive one's; the bare shadow term, one tap.
+    pssm_best_over_naive_throughput: f64,
+    /// Shading time of the default variant over that of the storage buffer's.
+    pssm_default_over_storage_time: f64,
+    /// Wrong samples of four splits of 1024² over those of one map of 2048².
+    pssm4x1024_over_basic2048_error: f64,
+    variants: BTreeMap<&'static str, Variant>,
+}
+
+#[derive(Serialize)]
+struct Variant {
+    instructions: u64,
+    vgprs: u64,
+    latency: u64,
+    inverse_throughput: u64,
+    throughput_over_naive: f64,
+    shading_ms: Spread,
+    shading_over_naive: f64,
+    fetches_per_pixel: f64,
+    error: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    umbrage_isa::serve_if_asked();
+    let library = Library::new([umbrage_shader_lib::package()?])?;
+    let composer = Arc::new(Composer::new(library, Target::webgpu()));
+    let gpu = Arc::new(Gpu::new()?);
+    let methods = umbrage_methods::registry()?;
+    let mut lab = Lab::new(gpu, Arc::clone(&composer), methods);
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes");
+    let scene = Scene::load(scenes.join("avenue.ron"))?;
+
+    let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
+    configs.push(config("basic", "2048", ""));
+    let options = CompareOptions {
+        size: (480, 270),
+        rounds: 15,
+        frames: 0,
+        store: None,
+        command: String::new(),
+    };
+    let family = CompilerOptions::FAMILY;
+    let no_compiler = Err("the bare shadow term is compiled apart".to_owned());
+    let scenes = [("avenue".to_owned(), scene)];
+    let compared = compare(&mut lab, &scenes, &configs, &options, no_compiler, &())?;
+    if let Some(skipped) = compared.report.skipped.first() {
+        return Err(format!("{}: {}", skipped.config, skipped.reason).into());
+    }
+    let rows = &compared.report.rows;
+    let mut compiler = Compiler::start(family)?;
+    let mut costs = BTreeMap::new();
+    for lookup in LOOKUPS {
+        costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
+    }
+    let report = report(lab.adapter(), family, rows, &costs)?;
+    for (name, variant) in &report.variants {
+        println!(
+            "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
+            variant.instructions,
+            variant.vgprs,
+            variant.latency,
+            variant.throughput_over_naive,
+            variant.shading_over_naive,
+            variant.fetches_per_pixel,
+            100.0 * variant.error,
+        );
+    }
+    println!("best over naive, throughput: {:.3}", report.pssm_best_over_naive_throughput);
+    println!("default over storage, time:  {:.3}", report.pssm_default_over_storage_time);
+    println!("4 x 1024 over basic 2048, error: {:.3}", report.pssm4x1024_over_basic2048_error);
+    println!("{}", write_report("methods", &report)?.display());
+    Ok(())
+}
+
+fn config(method: &str, name: &str, lookup: &str) -> Config {
+    let mut axes = BTreeMap::from([("pcf".to_owned(), "3".to_owned())]);
+    let mut settings = BTreeMap::from([("resolution".to_owned(), 2048.0)]);
+    if method == "pssm" {
+        axes.insert("lookup".to_owned(), lookup.to_owned());
+        settings = BTreeMap::from([("resolution".to_owned(), 1024.0), ("splits".to_owned(), 4.0)]);
+    }
+    Config {
+        name: name.to_owned(),
+        method: method.to_owned(),
+        axes,
+        settings,
+    }
+}
+
+/// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
+fn cost(
+    composer: &Composer,
+    compiler: &mut Compiler,
+    lookup: &str,
+) -> Result<umbrage_isa::Isa, Box<dyn Error>> {
+    let key = composer.library().key([
+        ("pass", "shadow_term"),
+        ("light", "directional"),
+        ("method", "pssm"),
+        ("lookup", lookup),
+        ("pcf", "1"),
+        ("receiver_bias", "constant"),
+        ("transition", "hard"),
+    ])?;
+    let permutation = composer.compose(&key)?.permutation;
+    let stages = compiler.cost(&permutation, &PipelineState::of(&permutation))?;
+    let fragment = stages.into_iter().find(|cost| cost.stage == Stage::Fragment);
+    Ok(fragment.ok_or("a shadow term without a fragment stage")?.isa)
+}
+
+fn report(
+    adapter: &str,
+    family: &str,
+    rows: &[Row],
+    costs: &BTreeMap<&str, umbrage_isa::Isa>,
+) -> Result<Report, Box<dyn Error>> {
+    let row = |config: &str| {
+        let found = rows.iter().find(|row| row.config == config);
+        found.ok_or_else(|| format!("{config} was not drawn"))
+    };
+    let naive = (row("branches")?, &costs["branches"]);
+    let mut variants = BTreeMap::new();
+    for lookup in LOOKUPS {
+        let (row, isa) = (row(lookup)?, &costs[lookup]);
+        let variant = Variant {
+            instructions: isa.instructions,
+            vgprs: isa.vgprs,
+            latency: isa.latency,
+            inverse_throughput: isa.inverse_throughput,
+            throughput_over_naive: isa.inverse_throughput as f64 / naive.1.inverse_throughput as f64,
+            shading_ms: row.shading_ms,
+            shading_over_naive: row.shading_ms.median / naive.0.shading_ms.median,
+            fetches_per_pixel: row.fetches_per_pixel,
+            error: row.error(),
+        };
+        variants.insert(lookup, variant);
+    }
+    let throughputs = variants.values().map(|variant| variant.throughput_over_naive);
+    let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
+    Ok(Report {
+        adapter: adapter.to_owned(),
+        family: family.to_owned(),
+        pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
+        pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
+        pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
+        variants,
+    })
+}
