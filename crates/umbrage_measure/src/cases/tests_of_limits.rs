@@ -39,7 +39,7 @@ const BAD: &str = r#""bad_pixels": (most: 0, why: "w")"#;
 #[test]
 fn the_built_in_table_is_sound() {
     let limits = Limits::built_in().expect("a sound table");
-    assert_eq!(limits.methods(), BTreeSet::from(["basic"]));
+    assert_eq!(limits.methods(), BTreeSet::from(["basic", "pssm"]));
     let twins: BTreeSet<_> = all()
         .iter()
         .filter(|c| c.same_as.is_some())
