@@ -102,9 +102,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             100.0 * variant.error,
         );
     }
-    println!("best over naive, throughput: {:.3}", report.pssm_best_over_naive_throughput);
-    println!("default over storage, time:  {:.3}", report.pssm_default_over_storage_time);
-    println!("4 x 1024 over basic 2048, error: {:.3}", report.pssm4x1024_over_basic2048_error);
+    println!(
+        "best over naive, throughput: {:.3}",
+        report.pssm_best_over_naive_throughput
+    );
+    println!(
+        "default over storage, time:  {:.3}",
+        report.pssm_default_over_storage_time
+    );
+    println!(
+        "4 x 1024 over basic 2048, error: {:.3}",
+        report.pssm4x1024_over_basic2048_error
+    );
     println!("{}", write_report("methods", &report)?.display());
     Ok(())
 }
@@ -114,13 +123,17 @@ fn config(method: &str, name: &str, lookup: &str) -> Config {
     let mut settings = BTreeMap::from([("resolution".to_owned(), 2048.0)]);
     if method == "pssm" {
         axes.insert("lookup".to_owned(), lookup.to_owned());
-        settings = BTreeMap::from([("resolution".to_owned(), 1024.0), ("splits".to_owned(), 4.0)]);
+        settings = BTreeMap::from([
+            ("resolution".to_owned(), 1024.0),
+            ("splits".to_owned(), 4.0),
+        ]);
     }
     Config {
         name: name.to_owned(),
         method: method.to_owned(),
         axes,
         settings,
+        ..Config::default()
     }
 }
 
@@ -141,8 +154,12 @@ fn cost(
     ])?;
     let permutation = composer.compose(&key)?.permutation;
     let stages = compiler.cost(&permutation, &PipelineState::of(&permutation))?;
-    let fragment = stages.into_iter().find(|cost| cost.stage == Stage::Fragment);
-    Ok(fragment.ok_or("a shadow term without a fragment stage")?.isa)
+    let fragment = stages
+        .into_iter()
+        .find(|cost| cost.stage == Stage::Fragment);
+    Ok(fragment
+        .ok_or("a shadow term without a fragment stage")?
+        .isa)
 }
 
 fn report(
@@ -164,7 +181,8 @@ fn report(
             vgprs: isa.vgprs,
             latency: isa.latency,
             inverse_throughput: isa.inverse_throughput,
-            throughput_over_naive: isa.inverse_throughput as f64 / naive.1.inverse_throughput as f64,
+            throughput_over_naive: isa.inverse_throughput as f64
+                / naive.1.inverse_throughput as f64,
             shading_ms: row.shading_ms,
             shading_over_naive: row.shading_ms.median / naive.0.shading_ms.median,
             fetches_per_pixel: row.fetches_per_pixel,
@@ -172,7 +190,9 @@ fn report(
         };
         variants.insert(lookup, variant);
     }
-    let throughputs = variants.values().map(|variant| variant.throughput_over_naive);
+    let throughputs = variants
+        .values()
+        .map(|variant| variant.throughput_over_naive);
     let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
     Ok(Report {
         adapter: adapter.to_owned(),

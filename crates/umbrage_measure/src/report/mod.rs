@@ -105,7 +105,7 @@ pub struct Row {
     pub method: String,
     /// The configuration's name.
     pub config: String,
-    /// How the shadow term reached the surface: `forward`.
+    /// How the shadow term reached the surface: `forward`, or by way of a `mask`.
     pub path: String,
     /// The errors.
     #[serde(flatten)]
@@ -121,7 +121,7 @@ pub struct Row {
     pub time_ratio: f64,
     /// How far that ratio spreads.
     pub time_ratio_spread: Spread,
-    /// Bytes in the method's textures.
+    /// Bytes in the method's textures, and in masks where the path has them.
     pub memory_bytes: u64,
     /// Texels in them.
     pub texels: u64,

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 use umbrage_compose::{Library, RonFile};
-use umbrage_render::RenderOptions;
+use umbrage_render::{Path, RenderOptions};
 use umbrage_shadow::{Registry, Settings, ShadowMethod};
 
 use super::StudyError;
@@ -23,6 +23,9 @@ pub struct Config {
     /// Values of the method's settings; the rest have their defaults.
     #[serde(default)]
     pub settings: BTreeMap<String, f64>,
+    /// How the shadow term comes to the surface: `forward` or by way of a `mask`.
+    #[serde(default)]
+    pub path: Path,
 }
 
 /// The configurations that show what the project's own methods can do.
@@ -126,6 +129,7 @@ impl Config {
             method: Some(self.method.clone()),
             axes: self.axes.clone(),
             settings: self.settings.clone(),
+            path: self.path,
             ..RenderOptions::default()
         }
     }

@@ -190,7 +190,7 @@ impl Lab {
         rendered: &Rendered,
     ) -> Result<Vec<Arc<Permutation>>, StudyError> {
         let used = rendered.report.permutations.iter();
-        let lit = used.filter(|used| used.key.get("pass") == Some("illumination"));
+        let lit = used.filter(|used| matches!(used.key.get("pass"), Some("illumination" | "mask")));
         lit.map(|used| Ok(self.composer.compose(&used.key)?.permutation))
             .collect()
     }

@@ -88,7 +88,8 @@ pub enum What {
 /// about. The methods do not know which it is, and the pictures are the same up to rounding: the mask
 /// path finds a position again from linear depth, along the ray through the pixel's middle, and a
 /// rasteriser's own may be off by its grid, 1/256 pixel on most devices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(serde::Deserialize, serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
     #[default]
