@@ -15,7 +15,7 @@
 //! angle that it fills, and the shadow term is the share of them that arrive.
 //!
 //! There is nothing to see, or no light to be kept off (beyond the range of a light, outside the cone
-//! of a spot light), where the shadow term is `None`. In pictures that is 1, as the renderer has it.
+//! of a spot light, on a surface that the light runs along), where the shadow term is `None`. In pictures that is 1, as the renderer has it.
 //! Whether a light has a shadow method makes no difference to the truth, and neither does a cookie.
 //!
 //! ```

@@ -155,7 +155,8 @@ impl Tracer {
     }
 
     /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, 0 in
-    /// shadow, none where nothing is seen or the light does not reach. `on_row` is called after each
+    /// shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
+    /// `on_row` is called after each
     /// row, from any thread.
     ///
     /// # Errors
@@ -195,6 +196,9 @@ impl Tracer {
         self.each(sight, on_row, |seen, _| {
             let (ray, own) = self.leave(seen, &lamp)?;
             let (direction, limit) = lamp.middle(seen.position);
+            if self.triangles.runs_along(own, direction) {
+                return None;
+            }
             let distance = self.triangles.blocker(&ray(direction), limit, own)?;
             Some(distance * direction.length())
         })
@@ -258,7 +262,10 @@ impl Tracer {
         let (ray, own) = self.leave(seen, lamp)?;
         let is_lit = |(direction, limit)| !self.triangles.is_blocked(&ray(direction), limit, own);
         let Source::Round { size, strata } = source else {
-            return Some(f32::from(u8::from(is_lit(lamp.middle(seen.position)))));
+            let aim = lamp.middle(seen.position);
+            // What the light runs along gets none of it, and whether it meets the next edge is chance.
+            return (!self.triangles.runs_along(own, aim.0))
+                .then(|| f32::from(u8::from(is_lit(aim))));
         };
         let Some(rays) = lamp.spread(seen.position, size, strata, seed) else {
             return Some(1.0);

@@ -21,6 +21,10 @@ const MOST_TRIANGLES: usize = (1 << 30) - 1;
 /// Metres from the camera; products of four such lengths are far from f64's end.
 const FARTHEST: f64 = 1e15;
 
+/// The sine of the angle between a ray and a plane, in four steps of an f32, below which which side of the
+/// plane the ray is on cannot be told.
+const EDGE_ON: f64 = 4.0 * f32::EPSILON as f64;
+
 /// The triangles, numbered through all objects, relative to an origin.
 pub(super) struct Triangles {
     objects: Vec<Part>,
@@ -157,6 +161,20 @@ impl Triangles {
         let [a, b, c] = self.corners(triangle);
         let [u, v, w] = meeting.shares;
         Some((triangle, u * a + v * b + w * c))
+    }
+
+    /// Whether a direction runs along the triangle's plane, as far as its corners tell: meshes have them
+    /// in f32. Not where it has no plane.
+    pub(super) fn runs_along(&self, triangle: u32, direction: DVec3) -> bool {
+        let [a, b, c] = self.corners(triangle);
+        // Unit edges, so that no triangle is too small for the products.
+        let normal = (b - a)
+            .normalize_or_zero()
+            .cross((c - a).normalize_or_zero());
+        let sine = normal
+            .normalize_or_zero()
+            .dot(direction.normalize_or_zero());
+        normal != DVec3::ZERO && sine.abs() < EDGE_ON
     }
 
     /// By how much the coordinates of a place on a triangle may be off; metres.

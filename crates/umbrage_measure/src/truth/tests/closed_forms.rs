@@ -229,3 +229,34 @@ fn what_does_not_cast_is_seen_and_throws_no_shadow() {
     scene.objects[1].material = material.into();
     assert_eq!(dark(&scene), 0);
 }
+
+/// A sun that shines along the walls of a box: the floor has the box's shadow, its back is dark, its top lit;
+/// the walls that it runs along are neither, however they are turned in the world.
+#[test]
+fn what_the_light_runs_along_is_neither_lit_nor_in_shadow() {
+    let direction = DVec3::new(0.0, -1.0, -1.0).normalize();
+    let objects = vec![
+        HERE.object("floor", square(9.0), DVec3::ZERO),
+        HERE.object("box", block(Vec3::new(0.5, 1.0, 0.5)), DVec3::Y),
+    ];
+    let camera = HERE.camera(DVec3::new(3.0, 4.0, 3.5), DVec3::Y, DVec3::Y);
+    let scene = scene(objects, LightKind::Directional { direction }, camera);
+    let (sight, terms) = traced(&scene, 128, 128);
+    let (mut along, mut others) = (0, 0);
+    for (seen, term) in sight.seen().iter().zip(&terms) {
+        let Some(seen) = seen else { continue };
+        let point = seen.position + scene.camera.position;
+        // The walls at x = ±½, away from their edges.
+        let wall = seen.object == 1 && (point.x.abs() - 0.5).abs() < 1e-9;
+        if wall && (point.z.abs() < 0.49) && point.y < 1.99 {
+            assert_eq!(*term, None, "{point}");
+            along += 1;
+        } else if seen.object == 1 && (point.y - 2.0).abs() < 1e-9 {
+            assert_eq!(*term, Some(1.0), "{point}");
+            others += 1;
+        } else if seen.object == 0 {
+            assert!(term.is_some(), "{point}");
+        }
+    }
+    assert!(along > 200 && others > 100, "{along} {others}");
+}
