@@ -1,6 +1,6 @@
 //! What the shader's way to find a split's map reads.
 
-use glam::{DMat4, DVec4, Mat4, Vec4};
+use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
     Atlas, BufferDesc, CasterPass, ColorTarget, Constants, Contents, DepthTest, Frame, MAX_SPLITS,
     Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
@@ -110,12 +110,15 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         shadow_distance: job.shadow_distance,
         ..ShadowPlan::default()
     };
-    let mut columns = 1;
+    let mut sheet = Sheet {
+        columns: 1,
+        size: [job.tile; 2],
+    };
     match job.lookup {
         Lookup::Branches | Lookup::Weights => maps(&mut plan, job, splits),
         Lookup::Channels => channels(&mut plan, job, splits),
         Lookup::Masks | Lookup::MatrixTexture | Lookup::Packed | Lookup::Storage => {
-            columns = tiles(&mut plan, job, splits)?;
+            sheet = tiles(&mut plan, job, splits)?;
         }
     }
     match job.lookup {
@@ -127,17 +130,26 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         }
         _ => {}
     }
-    plan.constants = constants(job, splits, columns as f32);
+    plan.constants = constants(job, splits, &sheet);
     Ok(plan)
 }
 
-/// All maps in one atlas; gives how many tiles are in a row.
-fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<u32, PlanError> {
+/// How maps lie in a texture.
+struct Sheet {
+    /// Tiles in a row.
+    columns: u32,
+    /// Texels across and down.
+    size: [u32; 2],
+}
+
+/// All maps in one atlas.
+fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Sheet, PlanError> {
     let count = splits.splits.len() as u32;
     if count == 0 {
         // The least that the shader can bind, and it reads none of it.
-        plan.textures.push(texture(MAP, DEPTH, [1, 1]));
-        return Ok(1);
+        let (columns, size) = (1, [1, 1]);
+        plan.textures.push(texture(MAP, DEPTH, size));
+        return Ok(Sheet { columns, size });
     }
     let atlas = Atlas::new(count, job.tile, job::margin(job.width).ceil() as u32)?;
     plan.textures.push(texture(MAP, DEPTH, atlas.size()));
@@ -147,7 +159,10 @@ fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<u32, PlanE
         pass.clear = (number == 0).then_some(0.0);
         plan.passes.push(Pass::Casters(pass));
     }
-    Ok(atlas.columns())
+    Ok(Sheet {
+        columns: atlas.columns(),
+        size: atlas.size(),
+    })
 }
 
 /// A map for each split; the least that the shader can bind in the place of those that are not there.
@@ -234,7 +249,9 @@ fn pass(split: &Split, target: &str, viewport: Viewport) -> CasterPass {
 }
 
 /// The members of `PssmShadow`, for any lookup and transition.
-fn constants(job: &Job, splits: &Splits, columns: f32) -> Constants {
+fn constants(job: &Job, splits: &Splits, sheet: &Sheet) -> Constants {
+    let columns = sheet.columns as f32;
+    let texel = Vec2::from_array(sheet.size.map(|texels| 1.0 / texels as f32));
     let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
         let value = |i: usize| splits.splits.get(i).map_or(none, |s| value(s) as f32);
         let four = |i: usize| Vec4::from_array([0, 1, 2, 3].map(|j| value(4 * i + j)));
@@ -270,6 +287,7 @@ fn constants(job: &Job, splits: &Splits, columns: f32) -> Constants {
         .with("tile", Value::F32(job.tile as f32))
         .with("columns", Value::F32(columns))
         .with("rows_a_tile", Value::F32(1.0 / columns))
+        .with("texel", Value::Vec2(texel))
         .with("crops", crops(splits))
         .with("crop_places", crop_columns(splits, 0))
         .with("crop_depths", crop_columns(splits, 1))

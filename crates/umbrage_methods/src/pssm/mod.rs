@@ -46,13 +46,13 @@
 //!
 //! | lookup | instructions | registers | fetches | then |
 //! | --- | ---: | ---: | ---: | ---: |
-//! | `branches` | 716 | 24 | 4 | 25 |
-//! | `weights` | 709 | 40 | 16 | 15 |
-//! | `matrix_texture` | 265 | 32 | 9 | 19 |
-//! | `packed` | 272 | 24 | 4 | |
-//! | `masks` | 297 | 24 | 4 | |
+//! | `branches` | 632 | 24 | 4 | 25 |
+//! | `weights` | 625 | 32 | 16 | 15 |
+//! | `matrix_texture` | 245 | 32 | 9 | 19 |
+//! | `packed` | 251 | 24 | 4 | |
+//! | `masks` | 276 | 24 | 4 | |
 //! | `channels` | 385 | 32 | 16 | |
-//! | `storage` | 262 | 32 | 4 | |
+//! | `storage` | 242 | 32 | 4 | |
 //!
 //! # Limits
 //! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
