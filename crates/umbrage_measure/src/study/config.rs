@@ -13,7 +13,7 @@ use super::StudyError;
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What reports call it; a method's configurations have different names.
+    /// What reports call it; a method's configurations along one path have different names.
     pub name: String,
     /// The shadow method of all lights.
     pub method: String,
@@ -36,7 +36,7 @@ impl Config {
     ///
     /// # Errors
     /// What is no such list, or an empty one; a method, an axis, a value or a setting that does not
-    /// exist; two configurations of one method and name. With the place in the file.
+    /// exist; two configurations of one method, name and path. With the place in the file.
     pub fn read(
         file: &RonFile,
         registry: &Registry,
@@ -51,12 +51,14 @@ impl Config {
         let mut seen = BTreeSet::new();
         for config in &configs {
             let own = config.check(registry, library);
-            let checked = own.and_then(|()| match seen.insert((&config.method, &config.name)) {
-                true => Ok(()),
-                false => Err(format!(
-                    "method `{}` has two configurations called `{}`",
-                    config.method, config.name
-                )),
+            let checked = own.and_then(|()| {
+                match seen.insert((&config.method, &config.name, config.path == Path::Mask)) {
+                    true => Ok(()),
+                    false => Err(format!(
+                        "method `{}` has two configurations called `{}`",
+                        config.method, config.name
+                    )),
+                }
             });
             if let Err(problem) = checked {
                 let fault = file.fault(problem, file.all(), &[&config.name]);
