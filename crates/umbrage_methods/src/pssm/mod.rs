@@ -42,17 +42,19 @@
 //! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four.
 //!
 //! What a compiler makes of the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
-//! permutations/demo.ron`), beside what the idea's author counted on arbfp1:
+//! permutations/demo.ron`), and how many four-component uniforms it reads (the reflection in `umbrage prebuild
+//! permutations/demo.ron`; `storage` has five a split in its buffer besides, `matrix_texture` five texels). Each needs one
+//! interpolator, the position. Beside it what the idea's author counted of his own on arbfp1, with one fetch a map:
 //!
-//! | lookup | instructions | registers | fetches | then |
-//! | --- | ---: | ---: | ---: | ---: |
-//! | `branches` | 632 | 24 | 4 | 25 |
-//! | `weights` | 625 | 32 | 16 | 15 |
-//! | `matrix_texture` | 245 | 32 | 9 | 19 |
-//! | `packed` | 251 | 24 | 4 | |
-//! | `masks` | 276 | 24 | 4 | |
-//! | `channels` | 385 | 32 | 16 | |
-//! | `storage` | 242 | 32 | 4 | |
+//! | lookup | instructions | registers | fetches | uniforms | then: instructions | uniforms | interpolators |
+//! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
+//! | `branches` | 632 | 24 | 4 | 29 | 25 | 18 | 5 |
+//! | `weights` | 625 | 32 | 16 | 29 | 15 | | |
+//! | `matrix_texture` | 245 | 32 | 9 | 9 | 19 | 2 | 1 |
+//! | `packed` | 251 | 24 | 4 | 25 | | | |
+//! | `masks` | 276 | 24 | 4 | 17 | | | |
+//! | `channels` | 385 | 32 | 16 | 25 | | | |
+//! | `storage` | 242 | 32 | 4 | 9 | | | |
 //!
 //! # Limits
 //! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
