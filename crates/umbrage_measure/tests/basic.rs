@@ -1,12 +1,13 @@
 //! The method `basic` against the truth.
 
-use std::sync::Arc;
+mod common;
 
 use glam::DVec3;
-use umbrage_compose::{Composer, Library, Target};
 use umbrage_measure::truth::{Source, Tracer};
-use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
 use umbrage_shadow::LightKind;
+
+use common::renderer;
 
 const SIZE: (u32, u32) = (400, 300);
 /// Metres along each side of the ground.
@@ -35,15 +36,6 @@ fn ball_in_the_sun(resolution: u32) -> Scene {
     );
     std::fs::write(&path, text).expect("written");
     Scene::load(path).expect("a sound scene")
-}
-
-fn renderer() -> Renderer {
-    let package = umbrage_shader_lib::package().expect("the shader library");
-    let library = Library::new([package]).expect("the library");
-    let composer = Arc::new(Composer::new(library, Target::default()));
-    let methods = umbrage_methods::registry().expect("names are unique");
-    let gpu = Arc::new(Gpu::new().expect("an adapter"));
-    Renderer::new(gpu, composer, methods)
 }
 
 fn rendered(renderer: &mut Renderer, scene: &Scene) -> Vec<f32> {

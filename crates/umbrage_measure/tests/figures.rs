@@ -1,25 +1,19 @@
 //! The figures of the method `basic`, whose faults are known.
 
-use std::{path::Path, sync::Arc};
+mod common;
 
-use umbrage_compose::{Composer, Library, Target};
+use std::path::Path;
+
 use umbrage_measure::{
     figures::{Figures, Frame, Sample, Terms, figures, shimmer},
     truth::{Sight, Source, Tracer},
 };
-use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
 use umbrage_shadow::ShadowPlan;
 
-const SIZE: (u32, u32) = (480, 320);
+use common::renderer;
 
-fn renderer() -> Renderer {
-    let package = umbrage_shader_lib::package().expect("the shader library");
-    let library = Library::new([package]).expect("the library");
-    let composer = Arc::new(Composer::new(library, Target::default()));
-    let methods = umbrage_methods::registry().expect("names are unique");
-    let gpu = Arc::new(Gpu::new().expect("an adapter"));
-    Renderer::new(gpu, composer, methods)
-}
+const SIZE: (u32, u32) = (480, 320);
 
 /// A scene as rendered, and what is true of it; of its first light.
 struct Measured {

@@ -1,11 +1,14 @@
 //! What the rasteriser sees against what rays see.
 
-use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+mod common;
+
+use std::{collections::BTreeMap, path::PathBuf};
 
 use glam::{DVec2, Vec4Swizzles as _};
-use umbrage_compose::{Composer, Library, Target};
 use umbrage_measure::truth::Tracer;
-use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
+
+use common::renderer;
 
 const SIZE: (u32, u32) = (320, 240);
 /// Pixels that a rasteriser may move a corner by: Vulkan asks for a grid of a sixteenth at the least.
@@ -13,15 +16,6 @@ const GRID: f64 = 1.0 / 16.0;
 /// Rays along a pixel's side: odd, so that the middle one goes through the pixel's middle. Many
 /// triangles are smaller than a pixel.
 const FINER: u32 = 5;
-
-fn renderer() -> Renderer {
-    let package = umbrage_shader_lib::package().expect("the shader library");
-    let library = Library::new([package]).expect("the library");
-    let composer = Arc::new(Composer::new(library, Target::default()));
-    let methods = umbrage_methods::registry().expect("names are unique");
-    let gpu = Arc::new(Gpu::new().expect("an adapter"));
-    Renderer::new(gpu, composer, methods)
-}
 
 /// The example scenes by name.
 fn examples() -> BTreeMap<String, Scene> {
