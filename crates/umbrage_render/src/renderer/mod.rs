@@ -1,6 +1,7 @@
 //! Renders a scene: shadow maps, then what the camera sees.
 
 mod assets;
+mod bind;
 mod camera;
 mod draw;
 mod lights;
