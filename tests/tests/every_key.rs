@@ -116,8 +116,11 @@ impl Studio {
             "triangle" => What::Triangles,
             _ => What::ShadowTerm,
         };
-        let masked = value("method") == "mask" || ["linear_depth", "mask"].contains(&value("pass"));
-        let path = if masked { Way::Mask } else { Way::Forward };
+        let path = match (value("pass"), value("method")) {
+            ("region", _) => Way::MaskBySplit,
+            ("linear_depth" | "mask", _) | (_, "mask") => Way::Mask,
+            _ => Way::Forward,
+        };
         let rendered = self.render(&drawn, what, path);
         let projected = self.composer.project(key).expect("it was projected before");
         if !rendered
@@ -175,6 +178,8 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
+            // It has what it draws from a plan with regions.
+            "region" => Some("pssm"),
             _ => None,
         };
         let key = match caster_of {
@@ -206,7 +211,7 @@ impl Studio {
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let methods_own = ["caster", "caster_depth", "linear_depth"].contains(&pass);
+        let methods_own = ["caster", "caster_depth", "linear_depth", "region"].contains(&pass);
         let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();

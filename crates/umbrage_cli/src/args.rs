@@ -166,6 +166,9 @@ pub(crate) enum Path {
     Forward,
     /// In a pass over the picture, into a mask that the objects' shaders read.
     Mask,
+    /// The same by a pass for each split, which shades the pixels of that split alone.
+    #[value(name = "mask_by_split")]
+    MaskBySplit,
 }
 
 #[derive(Args)]

@@ -97,6 +97,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
         path: match args.path {
             args::Path::Forward => render::Path::Forward,
             args::Path::Mask => render::Path::Mask,
+            args::Path::MaskBySplit => render::Path::MaskBySplit,
         },
         ..RenderOptions::default()
     }
@@ -114,7 +115,7 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
         light: used.light.as_deref(),
         shadow: matches!(
             used.key.get("pass"),
-            Some("caster" | "caster_depth" | "mask")
+            Some("caster" | "caster_depth" | "mask" | "region")
         ),
     };
     Report {

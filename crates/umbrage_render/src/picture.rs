@@ -56,8 +56,8 @@ pub struct Report {
     /// Bytes of these textures, by their formats; what a driver adds is not known.
     pub shadow_bytes: u64,
     /// Bytes of what the [mask path](crate::Path::Mask) keeps beside the picture, by its formats: 20 a pixel,
-    /// 16 for the planes that are seen and 4 for the mask, which all lights share; 0 where no light has a
-    /// mask.
+    /// 16 for the planes that are seen and 4 for the mask, which all lights share; 4 more for the pixels'
+    /// regions where a mask is filled [by split](crate::Path::MaskBySplit); 0 where no light has a mask.
     pub mask_bytes: u64,
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
@@ -81,7 +81,7 @@ pub struct Report {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
     /// What it drew: `casters`, or the value of the axis `pass` that the camera's pass has, such as
-    /// `illumination`.
+    /// `illumination`; of the passes that fill a mask by regions, with the region's number: `mask 0`.
     pub pass: String,
     /// The light for which it drew, where it did so for one.
     pub light: Option<String>,

@@ -166,8 +166,8 @@ pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
 pub use plan::{
-    BufferDesc, CasterPass, ColorTarget, Contents, DepthTest, Pass, SamplerDesc, ShadowPlan,
-    TextureDesc, TextureShape, Viewport,
+    BufferDesc, CasterPass, ColorTarget, Contents, DepthTest, MAX_REGIONS, Pass, Region,
+    SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

@@ -214,6 +214,7 @@ impl Run<'_> {
             path: match config.path {
                 Path::Forward => "forward".to_owned(),
                 Path::Mask => "mask".to_owned(),
+                Path::MaskBySplit => "mask_by_split".to_owned(),
             },
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,

@@ -23,7 +23,8 @@ pub struct Config {
     /// Values of the method's settings; the rest have their defaults.
     #[serde(default)]
     pub settings: BTreeMap<String, f64>,
-    /// How the shadow term comes to the surface: `forward` or by way of a `mask`.
+    /// How the shadow term comes to the surface: `forward`, by way of a `mask`, or of one filled split by split,
+    /// `mask_by_split`.
     #[serde(default)]
     pub path: Path,
 }
@@ -51,15 +52,16 @@ impl Config {
         let mut seen = BTreeSet::new();
         for config in &configs {
             let own = config.check(registry, library);
-            let checked = own.and_then(|()| {
-                match seen.insert((&config.method, &config.name, config.path == Path::Mask)) {
-                    true => Ok(()),
-                    false => Err(format!(
-                        "method `{}` has two configurations called `{}`",
-                        config.method, config.name
-                    )),
-                }
-            });
+            let checked =
+                own.and_then(
+                    |()| match seen.insert((&config.method, &config.name, config.path)) {
+                        true => Ok(()),
+                        false => Err(format!(
+                            "method `{}` has two configurations called `{}`",
+                            config.method, config.name
+                        )),
+                    },
+                );
             if let Err(problem) = checked {
                 let fault = file.fault(problem, file.all(), &[&config.name]);
                 return Err(umbrage_compose::Error::from(fault).into());

@@ -74,7 +74,11 @@ impl Times {
         };
         self.casters.push(sum(&|pass| pass == "casters"));
         // The base pass is no light's; what only masks need is the masks'.
-        let shades = |pass: &str| matches!(pass, "illumination" | "linear_depth" | "mask");
+        let shades = |pass: &str| {
+            // A mask filled by regions has a pass for each: `mask 0`.
+            let kind = pass.split(' ').next().unwrap_or(pass);
+            matches!(kind, "illumination" | "linear_depth" | "mask" | "region")
+        };
         self.shading.push(sum(&shades));
     }
 

@@ -18,7 +18,7 @@ pub(super) struct Job {
     /// Texels along a tile's side.
     pub tile: u32,
     depth_bias: f64,
-    pub band: f64,
+    band: f64,
     pub width: u32,
     pub lookup: Lookup,
     pub transition: Transition,
@@ -39,6 +39,14 @@ pub(super) struct Splits {
     pub base: DMat4,
     /// Ascending.
     pub splits: Vec<Split>,
+}
+
+impl Splits {
+    /// Whether a split passes into another: the last one, and one before a gap, passes into nothing.
+    pub(super) fn has_next(&self, split: &Split) -> bool {
+        let mut all = self.splits.iter();
+        all.any(|next| next.depths[0] == split.depths[1])
+    }
 }
 
 /// One split's map.
@@ -93,6 +101,11 @@ impl Job {
             transition,
             stable: fit == "stable",
         })
+    }
+
+    /// How much of a split before its end passes into the next one, metres.
+    pub(super) fn band_length(&self, split: &Split) -> f64 {
+        self.band * (split.depths[1] - split.depths[0])
     }
 
     /// The way that the camera looks.
@@ -167,7 +180,9 @@ impl Job {
         };
         let depths = split_depths(near, far, self.splits, self.lambda)?;
         let seen_in = |[near, far]: [f64; 2]| {
-            let part = self.part(near * (1.0 - PADDING), far * (1.0 + PADDING));
+            let part = self
+                .view
+                .part_relative(near * (1.0 - PADDING), far * (1.0 + PADDING));
             let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
             Extent::of(lens, position, &self.boxes.receivers, &volumes)
         };
@@ -217,16 +232,6 @@ impl Job {
             .shadow_distance
             .map_or(far, |distance| far.min(distance));
         (near < far * (1.0 - PADDING)).then_some([near, far])
-    }
-
-    /// The part of what the camera sees between two view depths.
-    fn part(&self, near: f64, far: f64) -> Frustum {
-        let projection = Projection {
-            near,
-            far,
-            ..self.view.projection
-        };
-        Frustum::from_matrix(projection.matrix() * self.view.view_relative())
     }
 
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.

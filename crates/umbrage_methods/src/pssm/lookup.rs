@@ -7,7 +7,10 @@ use umbrage_shadow::{
 };
 use wgpu_types::{ColorWrites, CompareFunction, FilterMode, TextureFormat};
 
-use super::fit::{Job, Split, Splits, Transition};
+use super::{
+    fit::{Job, Split, Splits, Transition},
+    regions,
+};
 use crate::job;
 
 /// The binding of the atlas, or of the texture with a channel for each split.
@@ -108,6 +111,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         fetches_per_pixel: lookups * fetches,
         filter_radius: 0.5 * f64::from(job.width) + 0.5,
         shadow_distance: job.shadow_distance,
+        regions: regions::of(job, splits),
         ..ShadowPlan::default()
     };
     let mut sheet = Sheet {
@@ -257,15 +261,10 @@ fn constants(job: &Job, splits: &Splits, sheet: &Sheet) -> Constants {
         let four = |i: usize| Vec4::from_array([0, 1, 2, 3].map(|j| value(4 * i + j)));
         Value::Array(vec![Value::Vec4(four(0)), Value::Vec4(four(1))])
     };
-    let length = |split: &Split| job.band * (split.depths[1] - split.depths[0]);
-    // The last split, and one before a gap, passes into nothing.
-    let has_next = |split: &Split| {
-        let mut all = splits.splits.iter();
-        all.any(|next| next.depths[0] == split.depths[1])
-    };
+    let band = |split: &Split| split.depths[1] - job.band_length(split);
     let rate = |split: &Split| {
-        if has_next(split) {
-            1.0 / length(split)
+        if splits.has_next(split) {
+            1.0 / job.band_length(split)
         } else {
             0.0
         }
@@ -279,10 +278,7 @@ fn constants(job: &Job, splits: &Splits, sheet: &Sheet) -> Constants {
         .with("forward", Value::Vec3(job.forward().as_vec3()))
         .with("reach", Value::F32(reach))
         .with("ends", splits_of(&|split| split.depths[1], f32::MAX))
-        .with(
-            "bands",
-            splits_of(&|split| split.depths[1] - length(split), 0.0),
-        )
+        .with("bands", splits_of(&band, 0.0))
         .with("band_rates", splits_of(&rate, 0.0))
         .with("tile", Value::F32(job.tile as f32))
         .with("columns", Value::F32(columns))

@@ -62,6 +62,7 @@
 
 mod fit;
 mod lookup;
+mod regions;
 
 use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{
     Renderer, Shot,
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, record},
+    draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
     pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
@@ -48,7 +48,7 @@ impl Renderer {
                 setup: light,
                 constants: &constants,
                 shadow: shadow.as_ref(),
-                masked: false,
+                term: Term::Method,
             };
             let to = (&target, false);
             let mask = self.mask(frame, shot, to, &mut masks, (reads, &lit))?;
@@ -106,7 +106,7 @@ impl Renderer {
                 setup: light,
                 constants: &constants,
                 shadow: shadow.as_ref(),
-                masked: false,
+                term: Term::Method,
             };
             // What is counted is what a method fetches, and no mask is one.
             let mask = if pass == "shadow_term" {
@@ -248,7 +248,7 @@ fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> Ligh
         None => reads,
         Some(_) => LightInputs {
             shadow: mask,
-            masked: true,
+            term: Term::Mask,
             ..reads
         },
     }

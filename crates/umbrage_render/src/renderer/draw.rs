@@ -67,8 +67,18 @@ pub(super) struct LightInputs<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: &'a Constants,
     pub(super) shadow: Option<&'a ShadowResources>,
-    /// Whether the shadow term is read from a mask.
-    pub(super) masked: bool,
+    pub(super) term: Term<'a>,
+}
+
+/// Where a shader has a light's shadow term from.
+#[derive(Clone, Copy)]
+pub(super) enum Term<'a> {
+    /// The light's method.
+    Method,
+    /// The light's method, with these values of its axes in place of the light's.
+    Region(&'a BTreeMap<String, String>),
+    /// A mask.
+    Mask,
 }
 
 /// A draw, ready to be recorded.
@@ -221,7 +231,7 @@ impl Renderer {
         object: &Object,
         material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| (light.setup, light.masked));
+        let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
         let key = lights::key(library, frame.options, inputs.pass, light, material)?;
         if let Some(known) = frame.composed.get(&key) {

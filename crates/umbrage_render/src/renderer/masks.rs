@@ -13,7 +13,7 @@ use super::{
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target, begin},
 };
-use crate::RenderError;
+use crate::{RenderError, scene::Object};
 
 /// The binding of what `linear_depth` lays down.
 pub(super) const SEEN_PLANES: &str = "seen_planes";
@@ -27,11 +27,36 @@ const MASK: &str = "shadow_mask";
 const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// A shadow term, in 4 bytes a pixel: what a method found, to the last bit, as the other path has it.
-const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+pub(super) const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// What the mask path keeps for a picture. One mask serves all lights in turn.
 pub(super) struct Masks {
-    mask: wgpu::TextureView,
+    pub(super) mask: wgpu::TextureView,
+    /// Each pixel's region, once a light has some.
+    pub(super) regions: Option<wgpu::TextureView>,
+}
+
+/// A light whose mask is filled.
+#[derive(Clone, Copy)]
+pub(super) struct Masked<'a> {
+    pub(super) shot: &'a Shot<'a>,
+    pub(super) reads: LightInputs<'a>,
+    /// What may be seen of what it reaches.
+    pub(super) receivers: &'a [&'a Object],
+}
+
+/// A triangle around the picture, drawn in a pass of its own for a light's mask.
+pub(super) struct ScreenPass<'a> {
+    /// What its time is called.
+    pub(super) name: &'a str,
+    /// The colour texture, and what it is cleared to.
+    pub(super) color: (&'a wgpu::TextureView, Option<wgpu::Color>),
+    /// The depth texture, and whether it is cleared.
+    pub(super) depth: (&'a wgpu::TextureView, bool),
+    /// The depth that the triangle lies at.
+    pub(super) level: f32,
+    /// The pixels to draw: left, top, width, height.
+    pub(super) area: [u32; 4],
 }
 
 /// The members of the shader's block `rays`.
@@ -61,7 +86,7 @@ impl Renderer {
         masks: &mut Option<Masks>,
         (reads, lit): (LightInputs<'_>, &[usize]),
     ) -> Result<Option<ShadowResources>, RenderError> {
-        if frame.options.path != Path::Mask || reads.shadow.is_none() {
+        if frame.options.path == Path::Forward || reads.shadow.is_none() {
             return Ok(None);
         }
         let laid = match masks.take() {
@@ -69,8 +94,24 @@ impl Renderer {
             None => self.lay_planes(frame, shot, target, fresh)?,
         };
         let laid = masks.insert(laid);
-        self.fill_mask(frame, (shot, target), laid, reads, lit)
-            .map(Some)
+        let objects = frame.objects.iter();
+        let receivers = objects.filter(|(slot, _)| lit.binary_search(slot).is_ok());
+        let receivers: Vec<_> = receivers.map(|(_, object)| object).collect();
+        let light = Masked {
+            shot,
+            reads,
+            receivers: &receivers,
+        };
+        if frame.options.path == Path::MaskBySplit && has_regions(reads.shadow) {
+            self.fill_by_region(frame, laid, light)?;
+        } else {
+            self.fill_at_once(frame, target, laid, light)?;
+        }
+        let mask = (TERM, laid.mask.clone());
+        Ok(Some(ShadowResources {
+            textures: BTreeMap::from([(MASK.to_owned(), mask)]),
+            ..ShadowResources::of_constants(Constants::new())
+        }))
     }
 
     /// Lays down the planes that are seen.
@@ -120,67 +161,91 @@ impl Renderer {
         drop(pass);
         frame.report.passes += 1;
         frame.planes = Some(planes);
-        Ok(Masks { mask })
+        Ok(Masks {
+            mask,
+            regions: None,
+        })
     }
 
-    /// Fills the mask where the light's receivers, at `lit`, are.
-    fn fill_mask(
+    /// Fills the mask where the light's receivers are.
+    fn fill_at_once(
         &mut self,
         frame: &mut FrameState<'_>,
-        (shot, target): (&Shot<'_>, &Target),
+        target: &Target,
         masks: &Masks,
-        reads: LightInputs<'_>,
-        lit: &[usize],
-    ) -> Result<ShadowResources, RenderError> {
-        let mut state = state(TERM, wgpu::CompareFunction::NotEqual);
-        state.unfiltered = unfiltered(reads.shadow);
-        state.unfiltered.insert(SEEN_PLANES.to_owned());
-        let light = reads.setup.source.name.as_str();
-        let inputs = PassInputs {
-            pass: "mask",
-            cause: Some(light),
-            view_proj: shot.view_proj,
-            ambient: Vec3::ZERO,
-            light: Some(reads),
-            vertices: Vertices::Shared,
-            state,
+        light: Masked<'_>,
+    ) -> Result<(), RenderError> {
+        let inputs = light.inputs("mask", state(TERM, wgpu::CompareFunction::NotEqual));
+        let pass = ScreenPass {
+            name: inputs.pass,
+            color: (&masks.mask, Some(wgpu::Color::WHITE)),
+            depth: (&target.depth, false),
+            level: 0.0,
+            area: light.area(frame, light.receivers),
         };
-        let receivers = frame.objects.iter();
-        let receivers: Vec<_> = receivers
-            .filter(|(slot, _)| lit.binary_search(slot).is_ok())
-            .map(|(_, object)| object)
-            .collect();
+        self.draw_screen(frame, light, &inputs, &pass)
+    }
+
+    /// Records a pass of one triangle around the picture, for the light's sake.
+    pub(super) fn draw_screen(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        light: Masked<'_>,
+        inputs: &PassInputs<'_>,
+        screen: &ScreenPass<'_>,
+    ) -> Result<(), RenderError> {
         let mut commands = Vec::new();
-        if let Some(first) = receivers.first() {
-            commands.push(self.prepare_screen(frame, &inputs, first)?);
+        if let Some(first) = light.receivers.first() {
+            commands.push(self.prepare_screen(frame, inputs, first)?);
         }
-        let boxes = receivers.iter().map(|object| object.bounds);
-        let size = [frame.options.width, frame.options.height];
-        let area = area(&shot.view, size, boxes);
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, Some(light));
+        let mark = frame.timer.mark(&self.gpu, screen.name, inputs.cause);
         let mut pass = begin(
             &mut frame.encoder,
-            (&masks.mask, Some(wgpu::Color::WHITE)),
-            (&target.depth, false),
+            screen.color,
+            screen.depth,
             mark.as_ref(),
         );
-        let [x, y, width, height] = area;
+        let [x, y, width, height] = screen.area;
+        let (wide, tall) = (frame.options.width as f32, frame.options.height as f32);
+        pass.set_viewport(0.0, 0.0, wide, tall, screen.level, screen.level);
         pass.set_scissor_rect(x, y, width, height);
         record(&mut pass, &commands);
         drop(pass);
         frame.report.passes += 1;
-        let mask = (TERM, masks.mask.clone());
-        Ok(ShadowResources {
-            constants: Constants::new(),
-            textures: BTreeMap::from([(MASK.to_owned(), mask)]),
-            samplers: BTreeMap::new(),
-            buffers: BTreeMap::new(),
-        })
+        Ok(())
     }
 }
 
+impl<'a> Masked<'a> {
+    /// What a pass over the picture draws with.
+    pub(super) fn inputs(&self, pass: &'a str, mut state: DrawState) -> PassInputs<'a> {
+        state.unfiltered = unfiltered(self.reads.shadow);
+        state.unfiltered.insert(SEEN_PLANES.to_owned());
+        PassInputs {
+            pass,
+            cause: Some(&self.reads.setup.source.name),
+            view_proj: self.shot.view_proj,
+            ambient: Vec3::ZERO,
+            light: Some(self.reads),
+            vertices: Vertices::Shared,
+            state,
+        }
+    }
+
+    /// The pixels (left, top, width, height) that some of `objects` may be seen at.
+    pub(super) fn area(&self, frame: &FrameState<'_>, objects: &[&Object]) -> [u32; 4] {
+        let boxes = objects.iter().map(|object| object.bounds);
+        let size = [frame.options.width, frame.options.height];
+        area(&self.shot.view, size, boxes)
+    }
+}
+
+fn has_regions(shadow: Option<&ShadowResources>) -> bool {
+    shadow.is_some_and(|shadow| !shadow.regions.is_empty())
+}
+
 /// Depth is only looked at.
-fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
+pub(super) fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
     DrawState {
         color: Some(ColorState {
             format,

@@ -8,6 +8,7 @@ mod lights;
 mod masks;
 mod objects;
 mod pipelines;
+mod regions;
 mod resources;
 mod shadows;
 mod target;
@@ -89,7 +90,18 @@ pub enum What {
 /// about. The methods do not know which it is, and the pictures are the same up to rounding: the mask
 /// path finds a position again from linear depth, along the ray through the pixel's middle, and a
 /// rasteriser's own may be off by its grid, 1/256 pixel on most devices.
-#[derive(serde::Deserialize, serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    serde::Deserialize,
+    serde::Serialize,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
@@ -99,6 +111,10 @@ pub enum Path {
     /// permutation a light and method, whatever the surfaces; for
     /// [`mask_bytes`](crate::Report::mask_bytes) more memory, and one more pass over the objects.
     Mask,
+    /// The same, by a pass over the picture for each of the plan's
+    /// [regions](umbrage_shadow::ShadowPlan::regions), with its own permutation; the depth test rejects the pixels of
+    /// the others before they are shaded. A light whose plan has none has the one pass of the mask path.
+    MaskBySplit,
 }
 
 impl Default for RenderOptions {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbrage_shadow::{
-    Constants, Contents, Pass, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+    Constants, Contents, Pass, Region, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
 };
 
 use super::{
@@ -21,6 +21,21 @@ pub(super) struct ShadowResources {
     pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
     /// Not on the device yet: each shader may lay them out in its own way.
     pub(super) buffers: BTreeMap<String, Value>,
+    /// Where other permutations give the same.
+    pub(super) regions: Vec<Region>,
+}
+
+impl ShadowResources {
+    /// What a shader reads that is given nothing but constants.
+    pub(super) fn of_constants(constants: Constants) -> Self {
+        Self {
+            constants,
+            textures: BTreeMap::new(),
+            samplers: BTreeMap::new(),
+            buffers: BTreeMap::new(),
+            regions: Vec::new(),
+        }
+    }
 }
 
 /// A texture kept from frame to frame: which, by the light's number, the method and the name.
@@ -86,10 +101,8 @@ impl Renderer {
         textures: Textures,
     ) -> ShadowResources {
         let mut resources = ShadowResources {
-            constants: plan.constants.clone(),
-            textures: BTreeMap::new(),
-            samplers: BTreeMap::new(),
-            buffers: BTreeMap::new(),
+            regions: plan.regions.clone(),
+            ..ShadowResources::of_constants(plan.constants.clone())
         };
         for (desc, texture) in textures.into_values() {
             let size = size(&desc);

@@ -14,6 +14,7 @@ use super::{
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
     pipelines::{ColorState, DrawState},
+    regions,
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
@@ -41,6 +42,7 @@ impl Renderer {
             }
         }
         let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
+        regions::check(setup, &plan.regions)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
         // A pass may fill one channel of many: only the first one clears them all.

@@ -31,7 +31,7 @@ impl ShadowMethod for Probe {
         &SETTINGS
     }
     fn axes(&self) -> &[&str] {
-        &[]
+        &["stripe"]
     }
     fn supports(&self, _: &Light) -> Support {
         Support::Yes
@@ -41,9 +41,15 @@ impl ShadowMethod for Probe {
     }
 }
 
-const AXES: &str = r#"(axes: { "method": (values: {
-    "probe": (bind: { "umbrage::interface::shadow": "package::probe" }),
-}) })"#;
+/// The shader has the feature `STRIPE_1` or `STRIPE_2`, or neither.
+const AXES: &str = r#"(axes: {
+    "method": (values: { "probe": (bind: { "umbrage::interface::shadow": "package::probe" }) }),
+    "stripe": (
+        doc: "what a probe is told apart by",
+        default: "0",
+        values: { "0": (), "1": (features: ["STRIPE_1"]), "2": (features: ["STRIPE_2"]) },
+    ),
+})"#;
 
 /// A renderer whose method `probe` has this shader and this plan.
 pub(crate) fn probing(
