@@ -126,6 +126,7 @@ impl<'a> Oracle<'a> {
                 let twin = if shadow.method == "pssm" {
                     let choice = Choice {
                         lookup: axes.get("lookup")?.clone(),
+                        taper: axes.get("taper")? == "on",
                         transition: axes.get("transition")?.clone(),
                         band: settings.get("band"),
                     };

@@ -156,7 +156,14 @@ fn light(
         _ => LightKind::Directional { direction },
     };
     let axes: &[_] = match method {
-        "pssm" => &["fit", "lookup", "pcf", "receiver_bias", "transition"],
+        "pssm" => &[
+            "fit",
+            "lookup",
+            "pcf",
+            "receiver_bias",
+            "taper",
+            "transition",
+        ],
         _ => &["pcf", "receiver_bias"],
     };
     let axes = axes.iter().map(|axis| {

@@ -25,7 +25,14 @@ const SIZE: u32 = 40;
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 5] = ["lookup", "method", "pcf", "receiver_bias", "transition"];
+const SHADOW_AXES: [&str; 6] = [
+    "lookup",
+    "method",
+    "pcf",
+    "receiver_bias",
+    "taper",
+    "transition",
+];
 
 /// The one file beside the manifests that is none; what it limits is tested with the command.
 const BUDGET: &str = "budget.ron";
@@ -202,6 +209,7 @@ impl Studio {
             "pcf",
             "receiver_bias",
             "lookup",
+            "taper",
             "transition",
             "alpha_test",
             "base_color_texture",

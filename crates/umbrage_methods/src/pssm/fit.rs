@@ -19,7 +19,10 @@ pub(super) struct Job {
     pub tile: u32,
     depth_bias: f64,
     band: f64,
+    /// The filter's width in texels, in the first split's map.
     pub width: u32,
+    /// Whether it is narrower from split to split.
+    pub taper: bool,
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
@@ -76,6 +79,13 @@ impl Job {
             fit,
             "stable or tight",
         )?;
+        let taper = job::axis(frame, "taper");
+        PlanError::check(
+            ["on", "off"].contains(&taper),
+            "the axis `taper`",
+            taper,
+            "on or off",
+        )?;
         let transition = match job::axis(frame, "transition") {
             "hard" => Some(Transition::Hard),
             "blend" => Some(Transition::Blend),
@@ -97,10 +107,17 @@ impl Job {
             depth_bias: setting("depth_bias"),
             band: setting("band"),
             width: job::filter_width(frame)?,
+            taper: taper == "on",
             lookup: Lookup::of(frame, setting("splits") as usize)?,
             transition,
             stable: fit == "stable",
         })
+    }
+
+    /// The width in texels of the filter in a split's map, by the split's number.
+    pub(super) fn width_of(&self, split: usize) -> u32 {
+        let narrower = if self.taper { 2 * split as u32 } else { 0 };
+        self.width.saturating_sub(narrower).max(1)
     }
 
     /// How much of a split before its end passes into the next one, metres.
@@ -120,9 +137,9 @@ impl Job {
             let mut seen = slice.seen;
             let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, least)
+                self.around_sphere(&lens, slice.held, least, slice.inner)
             } else {
-                self.around(&seen.rect, least)
+                self.around(&seen.rect, least, slice.inner)
             };
             let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
             let shift = job::directional_shift(&seen, self.depth_bias, self.texel(&seen.rect));
@@ -150,9 +167,9 @@ impl Job {
             let mut seen = slice.seen;
             let least = seen.precision / seen.far;
             seen.rect = if self.stable {
-                self.on_grid(&seen.rect, least)
+                self.on_grid(&seen.rect, least, slice.inner)
             } else {
-                self.around(&seen.rect, least)
+                self.around(&seen.rect, least, slice.inner)
             };
             let nearest = seen.near;
             let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
@@ -199,7 +216,13 @@ impl Job {
             if seen_in(depths).is_some()
                 && let Some(seen) = seen_in(held)
             {
-                slices.push(Slice { depths, held, seen });
+                let inner = f64::from(self.tile) - 2.0 * job::margin(self.width_of(slices.len()));
+                slices.push(Slice {
+                    depths,
+                    held,
+                    seen,
+                    inner,
+                });
             }
         }
         Ok(slices)
@@ -235,38 +258,31 @@ impl Job {
     }
 
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
-    fn around(&self, rect: &Rect, least: f64) -> Rect {
+    fn around(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
         let tile = f64::from(self.tile);
         let size = rect.size().max(DVec2::splat(least * tile));
-        rect.resized(size * tile / (tile - 2.0 * job::margin(self.width)))
+        rect.resized(size * tile / inner)
     }
 
     /// The square on the world's grid of texels around all that the camera may see between two view depths,
     /// wherever it looks.
-    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64) -> Rect {
+    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64, inner: f64) -> Rect {
         let projection = self.view.projection;
         let up = (0.5 * projection.fov_y).tan();
         let (middle, radius) = sphere(near, far, up * up * (1.0 + projection.aspect.powi(2)));
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.boxes.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let texel = self.stable_texel(2.0 * radius, least);
+        let texel = stable_texel(2.0 * radius, least, inner);
         self.snapped(anchor, center, texel)
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.
-    fn on_grid(&self, rect: &Rect, least: f64) -> Rect {
+    fn on_grid(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
         let size = rect.size().max_element().max(f64::MIN_POSITIVE);
         let rounded = (0.5 * (2.0 * size.log2()).ceil()).exp2();
-        let texel = self.stable_texel(rounded, least);
+        let texel = stable_texel(rounded, least, inner);
         self.snapped(DVec2::ZERO, 0.5 * (rect.min + rect.max), texel)
-    }
-
-    /// The texel of a map that holds `size`, its filter's margin, and a texel to snap to; no finer than
-    /// `least` rounded up to a power of two.
-    fn stable_texel(&self, size: f64, least: f64) -> f64 {
-        let inner = f64::from(self.tile) - 2.0 * job::margin(self.width) - 1.0;
-        (size / inner).max(least.log2().ceil().exp2())
     }
 
     /// The map about `center` whose corner is a whole number of texels from the grid's origin, which is at
@@ -317,6 +333,14 @@ struct Slice {
     /// What its map holds: its beginning is in the band of the split before.
     held: [f64; 2],
     seen: Extent,
+    /// Texels along its map's side without the filter's margins.
+    inner: f64,
+}
+
+/// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to
+/// a power of two.
+fn stable_texel(size: f64, least: f64, inner: f64) -> f64 {
+    (size / (inner - 1.0)).max(least.log2().ceil().exp2())
 }
 
 /// How far along the camera's axis the middle of the smallest ball lies that holds the part of its frustum from `near`

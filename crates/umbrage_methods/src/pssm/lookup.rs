@@ -80,13 +80,14 @@ impl Lookup {
         }
     }
 
-    /// Fetches of one lookup with `taps` fetches across its filter, which is `width` texels wide.
-    fn fetches(self, taps: u32, width: u32) -> u32 {
+    /// Fetches of one lookup in the map of a split.
+    fn fetches(self, job: &Job, split: usize) -> u32 {
+        let filter = |split| job.width_of(split).div_ceil(2).pow(2);
         match self {
-            Self::Branches | Self::Masks | Self::Packed | Self::Storage => taps * taps,
-            Self::MatrixTexture => taps * taps + MATRIX_ROWS,
-            Self::Weights => FEW as u32 * taps * taps,
-            Self::Channels => (width + 1) * (width + 1),
+            Self::Branches | Self::Masks | Self::Packed | Self::Storage => filter(split),
+            Self::MatrixTexture => MATRIX_ROWS + filter(split),
+            Self::Weights => (0..FEW).map(filter).sum(),
+            Self::Channels => (job.width_of(split) + 1).pow(2),
         }
     }
 }
@@ -101,14 +102,15 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         filter: FilterMode::Linear,
         compare: Some(CompareFunction::GreaterEqual),
     };
-    let lookups = match job.transition {
+    // Where two splits are blended, the first two have the widest filters.
+    let read = match job.transition {
         Transition::Blend => 2,
         Transition::Hard | Transition::Dither => 1,
     };
-    let fetches = job.lookup.fetches(job.width.div_ceil(2), job.width);
+    let fetches = (0..read).map(|split| job.lookup.fetches(job, split)).sum();
     let mut plan = ShadowPlan {
         samplers: vec![sampler],
-        fetches_per_pixel: lookups * fetches,
+        fetches_per_pixel: fetches,
         filter_radius: 0.5 * f64::from(job.width) + 0.5,
         shadow_distance: job.shadow_distance,
         regions: regions::of(job, splits),

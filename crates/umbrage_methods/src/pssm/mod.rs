@@ -137,7 +137,14 @@ impl ShadowMethod for Pssm {
     }
 
     fn axes(&self) -> &[&str] {
-        &["fit", "lookup", "pcf", "receiver_bias", "transition"]
+        &[
+            "fit",
+            "lookup",
+            "pcf",
+            "receiver_bias",
+            "taper",
+            "transition",
+        ]
     }
 
     fn supports(&self, light: &Light) -> Support {

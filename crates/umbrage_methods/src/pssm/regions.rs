@@ -10,7 +10,7 @@ use super::fit::{Job, Splits, Transition};
 /// read, and only the light's own permutation does.
 pub(super) fn of(job: &Job, splits: &Splits) -> Vec<Region> {
     let mut regions = Vec::new();
-    for split in &splits.splits {
+    for (number, split) in splits.splits.iter().enumerate() {
         let [start, end] = split.depths;
         let passes = job.transition != Transition::Hard && splits.has_next(split);
         let band = if passes {
@@ -18,9 +18,9 @@ pub(super) fn of(job: &Job, splits: &Splits) -> Vec<Region> {
         } else {
             end
         };
+        let axes = own_axes(job, number);
         // A band may be as long as its split.
         if band > start {
-            let axes = own_axes(job);
             regions.push(Region { end: band, axes });
         }
         if passes {
@@ -31,11 +31,15 @@ pub(super) fn of(job: &Job, splits: &Splits) -> Vec<Region> {
     regions
 }
 
-/// What a split's pixels need where no other split's map is read.
-fn own_axes(job: &Job) -> BTreeMap<String, String> {
+/// What a split's pixels need where no other split's map is read: one width of filter, and no band.
+fn own_axes(job: &Job, split: usize) -> BTreeMap<String, String> {
     let mut axes = BTreeMap::new();
     if job.transition != Transition::Hard {
         axes.insert("transition".to_owned(), "hard".to_owned());
+    }
+    if job.taper {
+        axes.insert("taper".to_owned(), "off".to_owned());
+        axes.insert("pcf".to_owned(), job.width_of(split).to_string());
     }
     axes
 }

@@ -21,6 +21,7 @@ impl Scene {
         let axes = [
             ("fit", "stable"),
             ("lookup", "packed"),
+            ("taper", "off"),
             ("pcf", "3"),
             ("receiver_bias", "plane"),
             ("transition", "hard"),
