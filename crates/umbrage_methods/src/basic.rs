@@ -37,7 +37,7 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3};
 use umbrage_shadow::{
-    Beam, CasterPass, Constants, DepthTest, Extent, Frame, Frustum, Lens, Light, LightKind, Pass,
+    Beam, CasterPass, Constants, DepthTarget, Extent, Frame, Frustum, Lens, Light, LightKind, Pass,
     PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
     TextureShape, Value, Viewport,
 };
@@ -288,23 +288,21 @@ impl Job {
     /// a mirror.
     fn pass(&self, layer: u32, view_proj: DMat4, casters: Vec<usize>) -> Pass {
         Pass::Casters(CasterPass {
-            target: MAP.to_owned(),
-            layer,
+            shader: "caster".to_owned(),
+            depth: Some(DepthTarget {
+                layer,
+                ..DepthTarget::nearest(MAP)
+            }),
+            color: None,
             viewport: Viewport {
                 x: 0,
                 y: 0,
                 width: self.resolution,
                 height: self.resolution,
             },
-            clear: Some(0.0),
-            depth_test: DepthTest {
-                compare: CompareFunction::GreaterEqual,
-                unclipped: false,
-            },
             cull: None,
             view_proj: view_proj.as_mat4(),
             casters,
-            color: None,
             receivers: None,
         })
     }

@@ -10,6 +10,7 @@ use common::{
     renderer, scene, small,
 };
 use glam::{DVec2, DVec3};
+use umbrage_compose::Key;
 use umbrage_render::{Gpu, Path, Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 use umbrage_shadow::{Frame, Region, ShadowPlan};
 
@@ -19,6 +20,10 @@ const ROUNDING: f32 = 1e-4;
 
 /// The share of pixels that may stand at such a decision.
 const DECISIONS: f64 = 1e-4;
+
+/// How far the forward path's terms may be from a mask's, and the share that may be farther: see `masks.rs`.
+const STEP: f32 = 1.0 / 256.0;
+const FORWARD: f64 = 1e-4;
 
 fn options(path: Path, axes: &[(&str, &str)]) -> RenderOptions {
     let axes = axes
@@ -78,17 +83,67 @@ fn region_by_region_the_mask_is_the_same() {
     }
 }
 
+/// With a width for each split, the loop of one pass, and the constant widths of a pass each, are one filter.
+#[test]
+fn tapering_filters_are_one_on_all_paths() {
+    let mut renderer = renderer(methods());
+    for name in ["avenue.ron", "leaves.ron", "suzanne_spot.ron"] {
+        let mut scene = example(name);
+        scene.lights[0].shadow = Some(Shadow {
+            method: "pssm".to_owned(),
+            settings: [("lambda".to_owned(), 0.9)].into(),
+            ..Shadow::default()
+        });
+        for transition in ["hard", "blend", "dither"] {
+            let mut render = |path, taper: &str| {
+                let axes = [("transition", transition), ("pcf", "7"), ("taper", taper)];
+                renderer
+                    .render(&scene, &options(path, &axes))
+                    .expect("renders")
+            };
+            let all = [Path::Forward, Path::Mask, Path::MaskBySplit];
+            let [forward, once, split] = all.map(|path| render(path, "on"));
+            let even = render(Path::Mask, "off");
+            let pixels = terms(&once).len() as f64;
+            // It is seen at all.
+            let count = apart(&even, &once, 0.1);
+            assert!(count > 200, "{name}: {count} changed");
+            let count = apart(&once, &split, ROUNDING);
+            assert!(
+                count as f64 <= DECISIONS * pixels,
+                "{name}, {transition}: {count} apart"
+            );
+            // Noise is of a position's bits, which the forward path has of its own.
+            let count = apart(&forward, &once, STEP);
+            assert!(
+                transition == "dither" || count as f64 <= FORWARD * pixels,
+                "{name}, {transition}: {count} apart"
+            );
+            // A constant width for each split, each less by two texels than the one before.
+            let used = split.report.permutations.iter().map(|used| &used.key);
+            let constant =
+                |key: &&Key| key.get("pass") == Some("mask") && key.get("taper").is_none();
+            let widths = used
+                .filter(constant)
+                .map(|key| key.get("pcf").unwrap_or("3"));
+            let widths: Vec<_> = widths.collect();
+            let all = ["7", "5", "3", "1"];
+            assert!(widths.len() > 1 && all.starts_with(&widths), "{widths:?}");
+        }
+    }
+}
+
 /// Its term tells which permutation a pixel was shaded with.
 const STRIPES: &str = "fn calc_shadow(position_ws: vec3f) -> f32 {
-    @if(STRIPE_1) return 0.25;
-    @elif(STRIPE_2) return 0.5;
+    @if(PCF_1) return 0.25;
+    @elif(PCF_5) return 0.5;
     @else return 0.75;
 }";
 
 fn striped(regions: &[(f64, &str)]) -> Renderer {
-    let region = |(end, stripe): &(f64, &str)| Region {
+    let region = |(end, width): &(f64, &str)| Region {
         end: *end,
-        axes: BTreeMap::from([("stripe".to_owned(), (*stripe).to_owned())]),
+        axes: BTreeMap::from([("pcf".to_owned(), (*width).to_owned())]),
     };
     let regions: Vec<_> = regions.iter().map(region).collect();
     probing(STRIPES, move |_: &Frame<'_>| ShadowPlan {
@@ -119,7 +174,7 @@ fn depth(scene: &Scene, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<f
 
 #[test]
 fn each_pixel_is_shaded_by_its_own_region() {
-    let regions = [(4.0, "1"), (4.5, "2"), (9.0, "1"), (60.0, "0")];
+    let regions = [(4.0, "1"), (4.5, "5"), (9.0, "1"), (60.0, "3")];
     let expected = [0.25, 0.5, 0.25, 0.75, 1.0];
     let scene = floor();
     let options = RenderOptions {
@@ -176,8 +231,8 @@ fn what_is_in_no_region_costs_no_pass() {
     let mut renderer = striped(&[
         (0.05, "1"),
         (1.0, "1"),
-        (9.0, "2"),
-        (900.0, "0"),
+        (9.0, "5"),
+        (900.0, "3"),
         (1e6, "1"),
     ]);
     let passes = |rendered: Rendered| rendered.report.passes;
@@ -200,22 +255,22 @@ fn what_is_in_no_region_costs_no_pass() {
 #[test]
 fn regions_that_cannot_be_are_named() {
     let refused = |regions: &[(f64, &str)]| refusal(&mut striped(regions));
-    let message = refused(&[(2.0, "0"), (2.0, "1")]);
+    let message = refused(&[(2.0, "3"), (2.0, "1")]);
     assert!(message.contains("from 2 m to 2 m"), "{message}");
-    assert!(refused(&[(f64::NAN, "0")]).contains("to NaN m"));
-    assert!(refused(&[(-1.0, "0")]).contains("from 0 m to -1 m"));
-    let many: Vec<_> = (1..=17).map(|i| (f64::from(i), "0")).collect();
+    assert!(refused(&[(f64::NAN, "3")]).contains("to NaN m"));
+    assert!(refused(&[(-1.0, "3")]).contains("from 0 m to -1 m"));
+    let many: Vec<_> = (1..=17).map(|i| (f64::from(i), "3")).collect();
     assert!(refused(&many).contains("17 regions of view depth: 16 at the most"));
     let mut strange = probing(STRIPES, |_: &Frame<'_>| ShadowPlan {
         regions: vec![Region {
             end: 1.0,
-            axes: BTreeMap::from([("pcf".to_owned(), "3".to_owned())]),
+            axes: BTreeMap::from([("lookup".to_owned(), "masks".to_owned())]),
         }],
         ..ShadowPlan::default()
     });
     let message = refusal(&mut strange);
     assert!(
-        message.contains("the axis `pcf`, which is none of its axes"),
+        message.contains("the axis `lookup`, which is none of its axes"),
         "{message}"
     );
 }

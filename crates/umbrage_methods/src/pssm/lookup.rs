@@ -2,8 +2,9 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
-    Atlas, BufferDesc, CasterPass, ColorTarget, Constants, Contents, DepthTest, Frame, MAX_SPLITS,
-    Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
+    Atlas, Blend, BufferDesc, CasterPass, ColorTarget, Constants, Contents, DepthTarget, Frame,
+    MAX_SPLITS, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+    Viewport,
 };
 use wgpu_types::{ColorWrites, CompareFunction, FilterMode, TextureFormat};
 
@@ -162,7 +163,9 @@ fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Sheet, Pla
     for (number, split) in (0..).zip(&splits.splits) {
         let mut pass = pass(split, MAP, atlas.tile(number));
         // The whole texture is cleared once.
-        pass.clear = (number == 0).then_some(0.0);
+        if let Some(depth) = &mut pass.depth {
+            depth.clear = (number == 0).then_some(0.0);
+        }
         plan.passes.push(Pass::Casters(pass));
     }
     Ok(Sheet {
@@ -205,9 +208,11 @@ fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
     plan.samplers.clear();
     for (split, channels) in splits.splits.iter().zip(CHANNELS) {
         let mut pass = pass(split, NEAREST, whole(job));
+        pass.shader = "caster_depth".to_owned();
         pass.color = Some(ColorTarget {
             texture: MAP.to_owned(),
             channels,
+            blend: Blend::Replace,
         });
         plan.passes.push(Pass::Casters(pass));
     }
@@ -238,15 +243,10 @@ fn whole(job: &Job) -> Viewport {
 /// a mirror.
 fn pass(split: &Split, target: &str, viewport: Viewport) -> CasterPass {
     CasterPass {
-        target: target.to_owned(),
+        shader: "caster".to_owned(),
+        depth: Some(DepthTarget::nearest(target)),
         color: None,
-        layer: 0,
         viewport,
-        clear: Some(0.0),
-        depth_test: DepthTest {
-            compare: CompareFunction::GreaterEqual,
-            unclipped: false,
-        },
         cull: None,
         view_proj: split.view_proj.as_mat4(),
         casters: split.casters.clone(),

@@ -46,7 +46,7 @@ pub(super) struct Masked<'a> {
 }
 
 /// A triangle around the picture, drawn in a pass of its own for a light's mask.
-pub(super) struct ScreenPass<'a> {
+pub(super) struct MaskPass<'a> {
     /// What its time is called.
     pub(super) name: &'a str,
     /// The colour texture, and what it is cleared to.
@@ -110,7 +110,7 @@ impl Renderer {
         let mask = (TERM, laid.mask.clone());
         Ok(Some(ShadowResources {
             textures: BTreeMap::from([(MASK.to_owned(), mask)]),
-            ..ShadowResources::of_constants(Constants::new())
+            ..ShadowResources::default()
         }))
     }
 
@@ -176,23 +176,23 @@ impl Renderer {
         light: Masked<'_>,
     ) -> Result<(), RenderError> {
         let inputs = light.inputs("mask", state(TERM, wgpu::CompareFunction::NotEqual));
-        let pass = ScreenPass {
+        let pass = MaskPass {
             name: inputs.pass,
             color: (&masks.mask, Some(wgpu::Color::WHITE)),
             depth: (&target.depth, false),
             level: 0.0,
             area: light.area(frame, light.receivers),
         };
-        self.draw_screen(frame, light, &inputs, &pass)
+        self.draw_mask(frame, light, &inputs, &pass)
     }
 
     /// Records a pass of one triangle around the picture, for the light's sake.
-    pub(super) fn draw_screen(
+    pub(super) fn draw_mask(
         &mut self,
         frame: &mut FrameState<'_>,
         light: Masked<'_>,
         inputs: &PassInputs<'_>,
-        screen: &ScreenPass<'_>,
+        screen: &MaskPass<'_>,
     ) -> Result<(), RenderError> {
         let mut commands = Vec::new();
         if let Some(first) = light.receivers.first() {
@@ -249,10 +249,10 @@ pub(super) fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction)
     DrawState {
         color: Some(ColorState {
             format,
-            additive: false,
+            blend: None,
             channels: wgpu::ColorWrites::ALL,
         }),
-        depth: DEPTH,
+        depth: Some(DEPTH),
         compare,
         write_depth: false,
         cull: None,

@@ -11,7 +11,7 @@ use super::{
     Renderer,
     draw::{FrameState, LightInputs, Term},
     lights::MethodSetup,
-    masks::{Masked, Masks, ScreenPass, TERM, state},
+    masks::{MaskPass, Masked, Masks, TERM, state},
     pipelines::{ColorState, DrawState},
     resources::ShadowResources,
     shadows::bad_plan,
@@ -51,7 +51,7 @@ impl Renderer {
                 },
                 ..light
             };
-            let pass = ScreenPass {
+            let pass = MaskPass {
                 name: &format!("mask {number}"),
                 color: (&masks.mask, None),
                 depth: (&depth, false),
@@ -59,7 +59,7 @@ impl Renderer {
                 area: light.area(frame, &seen),
             };
             let inputs = part.inputs("mask", state(TERM, wgpu::CompareFunction::Equal));
-            self.draw_screen(frame, part, &inputs, &pass)?;
+            self.draw_mask(frame, part, &inputs, &pass)?;
         }
         Ok(())
     }
@@ -77,7 +77,10 @@ impl Renderer {
             None => self.region_texture(frame)?,
         };
         masks.regions = Some(depth.clone());
-        let constants = ShadowResources::of_constants(ends(regions));
+        let constants = ShadowResources {
+            constants: ends(regions),
+            ..ShadowResources::default()
+        };
         let by_regions = Masked {
             reads: LightInputs {
                 shadow: Some(&constants),
@@ -87,7 +90,7 @@ impl Renderer {
         };
         let nothing = ColorState {
             format: TERM,
-            additive: false,
+            blend: None,
             channels: wgpu::ColorWrites::empty(),
         };
         let written = DrawState {
@@ -96,14 +99,14 @@ impl Renderer {
             ..state(TERM, wgpu::CompareFunction::Always)
         };
         let inputs = by_regions.inputs("region", written);
-        let pass = ScreenPass {
+        let pass = MaskPass {
             name: inputs.pass,
             color: (&masks.mask, Some(wgpu::Color::WHITE)),
             depth: (&depth, true),
             level: 0.0,
             area: light.area(frame, light.receivers),
         };
-        self.draw_screen(frame, by_regions, &inputs, &pass)?;
+        self.draw_mask(frame, by_regions, &inputs, &pass)?;
         Ok(depth)
     }
 

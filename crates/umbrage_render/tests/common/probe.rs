@@ -31,7 +31,7 @@ impl ShadowMethod for Probe {
         &SETTINGS
     }
     fn axes(&self) -> &[&str] {
-        &["stripe"]
+        &["pcf"]
     }
     fn supports(&self, _: &Light) -> Support {
         Support::Yes
@@ -41,23 +41,25 @@ impl ShadowMethod for Probe {
     }
 }
 
-/// The shader has the feature `STRIPE_1` or `STRIPE_2`, or neither.
-const AXES: &str = r#"(axes: {
-    "method": (values: { "probe": (bind: { "umbrage::interface::shadow": "package::probe" }) }),
-    "stripe": (
-        doc: "what a probe is told apart by",
-        default: "0",
-        values: { "0": (), "1": (features: ["STRIPE_1"]), "2": (features: ["STRIPE_2"]) },
-    ),
-})"#;
+const AXES: &str = r#"(axes: { "method": (values: {
+    "probe": (bind: { "umbrage::interface::shadow": "package::probe" }),
+}) })"#;
 
 /// A renderer whose method `probe` has this shader and this plan.
 pub(crate) fn probing(
     shader: &str,
     plan: impl Fn(&Frame<'_>) -> ShadowPlan + Send + Sync + 'static,
 ) -> Renderer {
-    let files = [("axes.ron", AXES), ("probe.wesl", shader)];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    probing_with(&[("axes.ron", AXES), ("probe.wesl", shader)], plan)
+}
+
+/// The same with these files in the package `probe`, its axes among them.
+pub(crate) fn probing_with(
+    files: &[(&str, &str)],
+    plan: impl Fn(&Frame<'_>) -> ShadowPlan + Send + Sync + 'static,
+) -> Renderer {
+    let files = files.iter();
+    let files = files.map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
     let probe = Package::from_sources("probe", "probe", files).expect("a package");
     let ours = umbrage_shader_lib::package().expect("the shader library");
     let library = Library::new([ours, probe]).expect("the library");
