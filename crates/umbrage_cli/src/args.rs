@@ -157,6 +157,8 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+    /// The lit scene, with a hue for each of the shadow maps that a light's splits have.
+    Splits,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]

@@ -172,6 +172,11 @@ fn depth(scene: &Scene, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<f
     (ray.y < 0.0 && inside).then(|| hit.dot(view.forward()))
 }
 
+/// Whether a rasteriser's grid may move what a pixel sees to the other side: by more where it sees far.
+fn is_near(depth: f64, end: f64) -> bool {
+    (depth - end).abs() < 0.01 * end * end / 2.0
+}
+
 #[test]
 fn each_pixel_is_shaded_by_its_own_region() {
     let regions = [(4.0, "1"), (4.5, "5"), (9.0, "1"), (60.0, "3")];
@@ -192,9 +197,7 @@ fn each_pixel_is_shaded_by_its_own_region() {
             seen[5] += 1;
             continue;
         };
-        // A rasteriser's grid moves what a pixel sees, by more where it sees far.
-        let near = |end: &f64| (depth - end).abs() < 0.01 * end * end / 2.0;
-        if regions.iter().any(|(end, _)| near(end)) {
+        if regions.iter().any(|(end, _)| is_near(depth, *end)) {
             continue;
         }
         let number = regions.iter().filter(|(end, _)| depth >= *end).count();
@@ -217,6 +220,52 @@ fn each_pixel_is_shaded_by_its_own_region() {
         expected.push(("shadow_term", sun));
         assert_eq!(times, expected);
     }
+}
+
+/// A hue ends where its split does: what is told of a pixel is what its view depth says, and nothing beyond the reach.
+#[test]
+fn splits_are_seen_where_they_are_read() {
+    let scene = floor();
+    let options = RenderOptions {
+        method: Some("pssm".to_owned()),
+        settings: [("shadow_distance".to_owned(), 40.0)].into(),
+        ..small(What::Splits)
+    };
+    let rendered = renderer(methods())
+        .render(&scene, &options)
+        .expect("renders");
+    let Picture::Splits { colors, splits } = &rendered.picture else {
+        unreachable!("splits were asked for")
+    };
+    let plan = rendered.report.plans[0].as_ref().expect("a plan");
+    let ends: Vec<_> = plan.regions.iter().map(|region| region.end).collect();
+    assert_eq!(ends.len(), 4);
+    assert_eq!(ends.last(), Some(&40.0));
+    let mut seen = [0; 6];
+    for (pixel, split) in splits[0].iter().enumerate() {
+        let at = [pixel as u32 % rendered.width, pixel as u32 / rendered.width];
+        let Some(depth) = depth(&scene, at, [rendered.width, rendered.height]) else {
+            assert_eq!(*split, None, "the sky at {at:?}");
+            seen[5] += 1;
+            continue;
+        };
+        if ends.iter().any(|end| is_near(depth, *end)) {
+            continue;
+        }
+        let number = ends.iter().filter(|end| depth >= **end).count();
+        let expected = (number < 4).then_some(number as u32);
+        assert_eq!(*split, expected, "{depth} m at {at:?}");
+        seen[number] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
+    let shaded = RenderOptions {
+        what: What::Shaded,
+        ..options
+    };
+    let shaded = renderer(methods())
+        .render(&scene, &shaded)
+        .expect("renders");
+    assert!(shaded.picture == Picture::Shaded(colors.clone()));
 }
 
 /// A region that no receiver's box reaches into has no pass, and leaves the rest as it is.

@@ -39,6 +39,21 @@ pub struct ShadowPlan {
     pub regions: Vec<Region>,
 }
 
+impl ShadowPlan {
+    /// The place in `passes` of the one whose map is read at a view depth (metres), where passes tell
+    /// their [receivers' depths](CasterPass::receivers); compared as `f32`, as shaders do.
+    pub fn split_at(&self, view_depth: f32) -> Option<u32> {
+        let holds = |pass: &Pass| match pass {
+            Pass::Casters(pass) => pass
+                .receivers
+                .is_some_and(|[start, end]| (start as f32..end as f32).contains(&view_depth)),
+            _ => false,
+        };
+        let number = self.passes.iter().position(holds)?;
+        u32::try_from(number).ok()
+    }
+}
+
 /// The most [regions](ShadowPlan::regions) of a plan: for each of the most splits two.
 pub const MAX_REGIONS: usize = 2 * MAX_SPLITS;
 

@@ -36,10 +36,15 @@
 //! - `weights`: the same; all four are filtered, and one is weighted.
 //! - `channels`: four splits in the channels of one `rgba32float` texture; texels are loaded and compared by hand.
 //!
+//! With `taper`, the filter is two texels narrower from split to split, one texel at the least: texels grow from split
+//! to split, and a filter of one width in texels would blur ever more of the world. The plan's
+//! [regions](ShadowPlan::regions) tell where a permutation without bands, of one width, does the same.
+//!
 //! # Cost
 //! A pass for each split, and ((W + 1) / 2)² fetches a pixel for width W; twice as many where `transition` is
 //! `blend` and the pixel is in a band. `weights` makes four times as many, `matrix_texture` five more, and
-//! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four.
+//! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four. With `taper` W is that of the pixel's own
+//! split, which is a loop of so many turns where one shader is for all splits.
 //!
 //! What a compiler makes of the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
 //! permutations/demo.ron`), and how many four-component uniforms it reads (the reflection in `umbrage prebuild

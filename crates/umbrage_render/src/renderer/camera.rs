@@ -9,6 +9,7 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
+    masks::PLANE,
     pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target},
@@ -135,6 +136,35 @@ impl Renderer {
             pictures.push(pixels.map(f32::from_le_bytes).collect());
         }
         Ok(pictures)
+    }
+
+    pub(super) fn splits(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+    ) -> Result<Picture, RenderError> {
+        let shaded = self.shaded(frame, shot)?;
+        let target = self.target(frame, PLANE)?;
+        let state = camera_state(PLANE, false, None);
+        let inputs = inputs(shot, "linear_depth", None, state);
+        let commands = self.prepare(frame, &inputs, &shot.visible)?;
+        let nothing = Some(wgpu::Color::TRANSPARENT);
+        self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
+        let bytes = self.finish(frame, &target)?;
+        let pixels = bytes.as_chunks::<16>().0.iter();
+        let depths: Vec<_> = pixels
+            .map(|&[.., a, b, c, d]| f32::from_le_bytes([a, b, c, d]))
+            .collect();
+        let lights = (0..shot.lights.len()).map(|light| {
+            let plan = frame.report.plans.get(light).and_then(Option::as_ref);
+            let split = |depth: &f32| plan.and_then(|plan| plan.split_at(*depth));
+            depths.iter().map(split).collect()
+        });
+        let splits = lights.collect();
+        let Picture::Shaded(colors) = shaded else {
+            return Ok(shaded);
+        };
+        Ok(Picture::Splits { colors, splits })
     }
 
     pub(super) fn triangles(

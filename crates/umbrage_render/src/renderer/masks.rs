@@ -24,7 +24,7 @@ const MASK: &str = "shadow_mask";
 /// Each pixel's plane: the unit normal and the linear depth, 0 where nothing is seen. In 16 bytes a
 /// pixel, all floats: a normal in two halves is 1e-3 radians off, which at the slope of 19 that a
 /// method follows a receiver's plane to moves the plane by a third.
-const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+pub(super) const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// A shadow term, in 4 bytes a pixel: what a method found, to the last bit, as the other path has it.
 pub(super) const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;

@@ -86,6 +86,8 @@ pub enum What {
     Triangles,
     /// For each light the texture fetches that its shadow term takes, counted on the device.
     Fetches,
+    /// The scene, and for each light which of its several shadow maps is read.
+    Splits,
 }
 
 /// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
@@ -234,6 +236,7 @@ impl Renderer {
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
+            What::Splits => self.splits(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
@@ -319,6 +322,7 @@ mod tests {
             What::ShadowTerm,
             What::Triangles,
             What::Fetches,
+            What::Splits,
         ] {
             let options = RenderOptions {
                 width: 40,
