@@ -157,6 +157,8 @@ fn light(
     };
     let axes: &[_] = match method {
         "pssm" => &[
+            "depth",
+            "filter",
             "fit",
             "lookup",
             "pcf",
@@ -164,7 +166,7 @@ fn light(
             "taper",
             "transition",
         ],
-        _ => &["pcf", "receiver_bias"],
+        _ => &["depth", "filter", "pcf", "receiver_bias"],
     };
     let axes = axes.iter().map(|axis| {
         let value = library.axes().value(key, axis).unwrap_or("");

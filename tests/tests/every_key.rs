@@ -25,7 +25,9 @@ const SIZE: u32 = 40;
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 6] = [
+const SHADOW_AXES: [&str; 8] = [
+    "depth",
+    "filter",
     "lookup",
     "method",
     "pcf",
@@ -208,6 +210,8 @@ impl Studio {
             "method",
             "pcf",
             "receiver_bias",
+            "depth",
+            "filter",
             "lookup",
             "taper",
             "transition",

@@ -424,7 +424,7 @@ fn faulty_methods_are_named() {
     // The plan is sound, but says nothing of the constants and the sampler that its shader reads.
     let message = refuse(|_| (), 0);
     assert!(
-        message.contains("`shadow_sampler` of umbrage::methods::basic"),
+        message.contains("`shadow_sampler` of umbrage::methods::nearest"),
         "{message}"
     );
     let message = refuse(|_| (), 1);

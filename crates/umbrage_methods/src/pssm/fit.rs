@@ -6,7 +6,10 @@ use umbrage_shadow::{
 };
 
 use super::Lookup;
-use crate::job::{self, Boxes, NEAREST, PADDING};
+use crate::{
+    job::{self, Boxes, NEAREST, PADDING},
+    maps::Reading,
+};
 
 /// A frame's numbers, checked.
 pub(super) struct Job {
@@ -19,10 +22,7 @@ pub(super) struct Job {
     pub tile: u32,
     depth_bias: f64,
     band: f64,
-    /// The filter's width in texels, in the first split's map.
-    pub width: u32,
-    /// Whether it is narrower from split to split.
-    pub taper: bool,
+    pub reading: Reading,
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
@@ -72,31 +72,14 @@ impl Job {
         job::check(frame, settings)?;
         let setting = |name| frame.settings.get(name);
         let distance = setting("shadow_distance");
-        let fit = job::axis(frame, "fit");
-        PlanError::check(
-            ["stable", "tight"].contains(&fit),
-            "the axis `fit`",
-            fit,
-            "stable or tight",
-        )?;
-        let taper = job::axis(frame, "taper");
-        PlanError::check(
-            ["on", "off"].contains(&taper),
-            "the axis `taper`",
-            taper,
-            "on or off",
-        )?;
-        let transition = match job::axis(frame, "transition") {
-            "hard" => Some(Transition::Hard),
-            "blend" => Some(Transition::Blend),
-            "dither" => Some(Transition::Dither),
-            _ => None,
-        };
-        let transition = transition.ok_or_else(|| PlanError::Invalid {
-            what: "the axis `transition`".to_owned(),
-            value: job::axis(frame, "transition").to_owned(),
-            expected: "hard, blend or dither".to_owned(),
-        })?;
+        let fits = [("stable", true), ("tight", false)];
+        let transitions = [
+            ("hard", Transition::Hard),
+            ("blend", Transition::Blend),
+            ("dither", Transition::Dither),
+        ];
+        let mut reading = Reading::of(frame)?;
+        reading.taper = job::choice(frame, "taper", &[("off", false), ("on", true)])?;
         Ok(Self {
             boxes: Boxes::new(frame),
             view: frame.view.clone(),
@@ -106,18 +89,11 @@ impl Job {
             tile: setting("resolution") as u32,
             depth_bias: setting("depth_bias"),
             band: setting("band"),
-            width: job::filter_width(frame)?,
-            taper: taper == "on",
-            lookup: Lookup::of(frame, setting("splits") as usize)?,
-            transition,
-            stable: fit == "stable",
+            lookup: Lookup::of(frame, setting("splits") as usize, reading)?,
+            reading,
+            transition: job::choice(frame, "transition", &transitions)?,
+            stable: job::choice(frame, "fit", &fits)?,
         })
-    }
-
-    /// The width in texels of the filter in a split's map, by the split's number.
-    pub(super) fn width_of(&self, split: usize) -> u32 {
-        let narrower = if self.taper { 2 * split as u32 } else { 0 };
-        self.width.saturating_sub(narrower).max(1)
     }
 
     /// How much of a split before its end passes into the next one, metres.
@@ -216,7 +192,8 @@ impl Job {
             if seen_in(depths).is_some()
                 && let Some(seen) = seen_in(held)
             {
-                let inner = f64::from(self.tile) - 2.0 * job::margin(self.width_of(slices.len()));
+                let width = self.reading.width_of(slices.len());
+                let inner = f64::from(self.tile) - 2.0 * job::margin(width);
                 slices.push(Slice {
                     depths,
                     held,

@@ -143,6 +143,8 @@ impl ShadowMethod for Pssm {
 
     fn axes(&self) -> &[&str] {
         &[
+            "depth",
+            "filter",
             "fit",
             "lookup",
             "pcf",

@@ -37,9 +37,9 @@ fn own_axes(job: &Job, split: usize) -> BTreeMap<String, String> {
     if job.transition != Transition::Hard {
         axes.insert("transition".to_owned(), "hard".to_owned());
     }
-    if job.taper {
+    if job.reading.taper {
         axes.insert("taper".to_owned(), "off".to_owned());
-        axes.insert("pcf".to_owned(), job.width_of(split).to_string());
+        axes.insert("pcf".to_owned(), job.reading.width_of(split).to_string());
     }
     axes
 }
