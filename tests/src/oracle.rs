@@ -119,6 +119,7 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
+                        seen: None,
                     })
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;

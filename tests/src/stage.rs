@@ -162,6 +162,7 @@ fn light(
             "fit",
             "lookup",
             "pcf",
+            "range",
             "receiver_bias",
             "taper",
             "transition",

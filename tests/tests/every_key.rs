@@ -141,6 +141,8 @@ impl Studio {
             return Some(format!("{key} was not drawn"));
         }
         let wrong = match (&rendered.picture, value("pass")) {
+            // What it finds is held to a picture's own depths where it is read: `seen.rs` of the renderer.
+            (_, "depth_range") => None,
             (Picture::ShadowTerm(terms), pass) => {
                 let rounding = match pass {
                     "caster_depth" => DEPTH_ROUNDING,
@@ -187,14 +189,15 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
-            // It has what it draws from a plan with regions.
-            "region" => Some("pssm"),
+            // They have what they work from for the sake of splits.
+            "depth_range" | "region" => Some("pssm"),
             _ => None,
         };
         let key = match caster_of {
             Some(method) => {
                 let choices = key.choices().filter(|(axis, _)| *axis != "method");
-                let key = library.key(choices.chain([("method", method)]));
+                let depths = (pass == "depth_range").then_some(("range", "depths"));
+                let key = library.key(choices.chain([("method", method)]).chain(depths));
                 key.expect("a caster under a method")
             }
             None => key.clone(),

@@ -26,6 +26,8 @@ pub(super) struct Job {
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
+    /// Between which view depths pixels see something, where that is to bound the splits.
+    seen: Option<[f64; 2]>,
 }
 
 /// How one split passes into the next.
@@ -93,6 +95,7 @@ impl Job {
             reading,
             transition: job::choice(frame, "transition", &transitions)?,
             stable: job::choice(frame, "fit", &fits)?,
+            seen: seen(frame)?,
         })
     }
 
@@ -221,6 +224,12 @@ impl Job {
             far: most,
             ..
         } = self.view.projection;
+        let [near, far] = self
+            .seen
+            .map_or([near, far], |seen| [near.max(seen[0]), far.min(seen[1])]);
+        if near > far {
+            return None;
+        }
         let (near, far) = if self.stable {
             (near.log2().floor().exp2(), far.log2().ceil().exp2())
         } else {
@@ -301,6 +310,22 @@ impl Job {
             casters,
         }
     }
+}
+
+/// Between which view depths pixels see something, where the axis `range` asks for it.
+fn seen(frame: &Frame<'_>) -> Result<Option<[f64; 2]>, PlanError> {
+    let ranges = [("boxes", false), ("depths", true)];
+    if !job::choice(frame, "range", &ranges)? {
+        return Ok(None);
+    }
+    let problem = "the frame's depths seen";
+    PlanError::check(
+        frame.seen.is_some(),
+        problem,
+        "missing",
+        "there, as the axis `range` is `depths`",
+    )?;
+    Ok(frame.seen)
 }
 
 /// A split that receivers touch.

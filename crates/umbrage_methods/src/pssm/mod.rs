@@ -69,6 +69,8 @@ mod fit;
 mod lookup;
 mod regions;
 
+use std::collections::BTreeMap;
+
 use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
 };
@@ -148,6 +150,7 @@ impl ShadowMethod for Pssm {
             "fit",
             "lookup",
             "pcf",
+            "range",
             "receiver_bias",
             "taper",
             "transition",
@@ -159,6 +162,10 @@ impl ShadowMethod for Pssm {
             LightKind::Point { .. } => Support::No(NO_CUBES.to_owned()),
             _ => Support::Yes,
         }
+    }
+
+    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
+        axes.get("range").is_some_and(|range| range == "depths")
     }
 
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {

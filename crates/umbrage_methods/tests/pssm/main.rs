@@ -292,6 +292,65 @@ fn regions_are_splits_and_their_bands() {
 }
 
 #[test]
+fn splits_lie_where_pixels_see_something() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    let range = |scene: &Scene| {
+        let plan = scene.plan().expect("a plan");
+        let depths: Vec<_> = passes(&plan)
+            .iter()
+            .map(|pass| pass.receivers.unwrap_or_default())
+            .collect();
+        (
+            depths.len(),
+            depths.first().map_or(0.0, |d| d[0]),
+            depths.last().map_or(0.0, |d| d[1]),
+        )
+    };
+    // What is not asked for is not heeded.
+    let boxes = range(&scene);
+    scene.seen = Some([5.0, 20.0]);
+    assert_eq!(range(&scene), boxes);
+    assert!(boxes.1 < 4.0 && boxes.2 > 90.0);
+    scene.choose("range", "depths");
+    scene.choose("fit", "tight");
+    let (count, near, far) = range(&scene);
+    assert_eq!(count, 4);
+    // Nothing that is seen is left out, and little is added.
+    assert!(
+        near < 5.0 && near > 4.99 && far > 20.0 && far < 20.01,
+        "{near} to {far}"
+    );
+    // From power of two to power of two, so that they seldom change.
+    scene.choose("fit", "stable");
+    let (_, near, far) = range(&scene);
+    assert!(
+        near < 4.0 && near > 3.99 && far > 32.0 && far < 32.01,
+        "{near} to {far}"
+    );
+    // All at one depth: a wall.
+    scene.seen = Some([8.5, 8.5]);
+    let (count, near, far) = range(&scene);
+    assert!(count > 0 && near < 8.5 && far > 8.5);
+    scene.choose("fit", "tight");
+    let (count, near, far) = range(&scene);
+    assert!(
+        count > 0 && near < 8.5 && far > 8.5,
+        "{count}: {near} to {far}"
+    );
+    // No pixel sees anything.
+    scene.seen = Some([f64::MAX, 0.0]);
+    assert_eq!(range(&scene).0, 0);
+    scene.seen = None;
+    let error = scene.plan().expect_err("refused").to_string();
+    assert!(
+        error.contains("the frame's depths seen is missing"),
+        "{error}"
+    );
+}
+
+#[test]
 fn what_cannot_be_planned_is_told() {
     let point = LightKind::Point {
         position: DVec3::ZERO,

@@ -8,8 +8,8 @@ use umbrage_shadow::{Constants, Value};
 use super::{
     Renderer, assets,
     draw::{FrameState, PassInputs},
-    masks::SEEN_PLANES,
     pipelines::Program,
+    seen::{SEEN_DEPTHS, SEEN_PLANES},
 };
 use crate::{
     RenderError, pack, pack_buffer,
@@ -145,6 +145,12 @@ impl Renderer {
                 let planes = frame.planes.clone();
                 let planes = planes.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(planes))
+            }
+            (SEEN_DEPTHS, BindingKind::StorageTexture { .. }) => {
+                let nothing = "what passes that look for no depths give";
+                let depths = frame.depths.clone();
+                let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(depths))
             }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {

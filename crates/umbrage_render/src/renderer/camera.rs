@@ -9,9 +9,9 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
-    masks::PLANE,
     pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
+    seen::PLANE,
     target::{DEPTH, Target},
 };
 use crate::{Picture, RenderError};
@@ -43,7 +43,8 @@ impl Renderer {
             if lit.is_empty() {
                 continue;
             }
-            let shadow = self.shadow(frame, shot, light, &lit)?;
+            let to = (&target, false);
+            let shadow = self.shadow(frame, shot, to, (light, &lit))?;
             let constants = lights::constants(&light.source.light, shot.view.position);
             let reads = LightInputs {
                 setup: light,
@@ -51,7 +52,6 @@ impl Renderer {
                 shadow: shadow.as_ref(),
                 term: Term::Method,
             };
-            let to = (&target, false);
             let mask = self.mask(frame, shot, to, &mut masks, (reads, &lit))?;
             let reads = masked(reads, mask.as_ref());
             let state = camera_state(format, true, reads.shadow);
@@ -100,7 +100,7 @@ impl Renderer {
             let shadow = if lit.is_empty() {
                 None
             } else {
-                self.shadow(frame, shot, light, &lit)?
+                self.shadow(frame, shot, (&target, true), (light, &lit))?
             };
             let constants = lights::constants(&light.source.light, shot.view.position);
             let reads = LightInputs {
@@ -210,13 +210,18 @@ impl Renderer {
         &mut self,
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
-        light: &LightSetup<'_>,
-        lit: &[usize],
+        to: (&Target, bool),
+        (light, lit): (&LightSetup<'_>, &[usize]),
     ) -> Result<Option<ShadowResources>, RenderError> {
-        match &light.method {
-            Some(setup) => self.cast(frame, &shot.view, light, setup, lit).map(Some),
-            None => Ok(None),
-        }
+        let Some(setup) = &light.method else {
+            return Ok(None);
+        };
+        let seen = match setup.method.wants_seen_depths(&setup.axes) {
+            true => Some(self.seen_depths(frame, shot, to)?),
+            false => None,
+        };
+        let by = (&shot.view, seen);
+        self.cast(frame, by, light, setup, lit).map(Some)
     }
 
     /// Records `pass`, drawn for a light where it names one.
@@ -238,6 +243,12 @@ impl Renderer {
 
     /// Runs what was recorded, and reads the colours back.
     fn finish(&self, frame: &mut FrameState<'_>, target: &Target) -> Result<Vec<u8>, RenderError> {
+        self.submit(frame)?;
+        Ok(target.read(&self.gpu)?)
+    }
+
+    /// Runs what was recorded, to its end.
+    pub(super) fn submit(&self, frame: &mut FrameState<'_>) -> Result<(), RenderError> {
         let next = self.gpu.device.create_command_encoder(&Default::default());
         let mut encoder = std::mem::replace(&mut frame.encoder, next);
         let times = frame.timer.resolve(&self.gpu, &mut encoder);
@@ -250,7 +261,7 @@ impl Renderer {
             let times = frame.timer.read(&self.gpu, &times)?;
             frame.report.times.extend(times);
         }
-        Ok(target.read(&self.gpu)?)
+        Ok(())
     }
 }
 

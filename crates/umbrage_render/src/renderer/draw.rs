@@ -34,8 +34,12 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
-    /// What is seen, where it was laid down for masks.
+    /// What is seen, where it was laid down.
     pub(super) planes: Option<wgpu::TextureView>,
+    /// Where the depths go between which it is seen, block by block.
+    pub(super) depths: Option<wgpu::TextureView>,
+    /// Between which depths it is, where that was asked for.
+    pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// By the full key, so that each is asked for once.
@@ -100,6 +104,8 @@ impl<'a> FrameState<'a> {
     ) -> Self {
         Self {
             planes: None,
+            depths: None,
+            seen: None,
             rays,
             options,
             objects,

@@ -11,20 +11,13 @@ use super::{
     draw::{FrameState, LightInputs, PassInputs, record},
     pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
+    seen::{SEEN_PLANES, picture_size},
     target::{DEPTH, Target, begin},
 };
 use crate::{RenderError, scene::Object};
 
-/// The binding of what `linear_depth` lays down.
-pub(super) const SEEN_PLANES: &str = "seen_planes";
-
 /// The binding of a light's mask.
 const MASK: &str = "shadow_mask";
-
-/// Each pixel's plane: the unit normal and the linear depth, 0 where nothing is seen. In 16 bytes a
-/// pixel, all floats: a normal in two halves is 1e-3 radians off, which at the slope of 19 that a
-/// method follows a receiver's plane to moves the plane by a third.
-pub(super) const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// A shadow term, in 4 bytes a pixel: what a method found, to the last bit, as the other path has it.
 pub(super) const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -89,9 +82,10 @@ impl Renderer {
         if frame.options.path == Path::Forward || reads.shadow.is_none() {
             return Ok(None);
         }
+        self.lay_planes(frame, shot, (target, fresh))?;
         let laid = match masks.take() {
             Some(laid) => laid,
-            None => self.lay_planes(frame, shot, target, fresh)?,
+            None => self.mask_texture(frame)?,
         };
         let laid = masks.insert(laid);
         let objects = frame.objects.iter();
@@ -114,55 +108,13 @@ impl Renderer {
         }))
     }
 
-    /// Lays down the planes that are seen.
-    fn lay_planes(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        shot: &Shot<'_>,
-        target: &Target,
-        fresh: bool,
-    ) -> Result<Masks, RenderError> {
-        use wgpu::TextureUsages as Usage;
-        let (width, height) = (frame.options.width, frame.options.height);
-        let size = wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        };
-        let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
-        let planes = self.gpu.texture("the planes seen", size, 1, PLANE, usage)?;
+    fn mask_texture(&self, frame: &mut FrameState<'_>) -> Result<Masks, RenderError> {
+        let size = picture_size(frame);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let mask = self.gpu.texture("the shadow mask", size, 1, TERM, usage)?;
-        frame.report.mask_bytes +=
-            PLANE.theoretical_memory_footprint(size) + TERM.theoretical_memory_footprint(size);
-        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-        let (planes, mask) = (view(&planes), view(&mask));
-        let inputs = PassInputs {
-            pass: "linear_depth",
-            cause: None,
-            view_proj: shot.view_proj,
-            ambient: Vec3::ZERO,
-            light: None,
-            vertices: Vertices::Shared,
-            state: DrawState {
-                write_depth: fresh,
-                ..state(PLANE, wgpu::CompareFunction::GreaterEqual)
-            },
-        };
-        let commands = self.prepare(frame, &inputs, &shot.visible)?;
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, None);
-        let nothing = Some(wgpu::Color::TRANSPARENT);
-        let mut pass = begin(
-            &mut frame.encoder,
-            (&planes, nothing),
-            (&target.depth, fresh),
-            mark.as_ref(),
-        );
-        record(&mut pass, &commands);
-        drop(pass);
-        frame.report.passes += 1;
-        frame.planes = Some(planes);
+        frame.report.mask_bytes += TERM.theoretical_memory_footprint(size);
         Ok(Masks {
-            mask,
+            mask: mask.create_view(&Default::default()),
             regions: None,
         })
     }

@@ -11,6 +11,7 @@ mod objects;
 mod pipelines;
 mod regions;
 mod resources;
+mod seen;
 mod shadows;
 mod target;
 mod timer;

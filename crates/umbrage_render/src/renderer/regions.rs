@@ -14,6 +14,7 @@ use super::{
     masks::{MaskPass, Masked, Masks, TERM, state},
     pipelines::{ColorState, DrawState},
     resources::ShadowResources,
+    seen::picture_size,
     shadows::bad_plan,
     target::DEPTH,
 };
@@ -111,11 +112,7 @@ impl Renderer {
     }
 
     fn region_texture(&self, frame: &mut FrameState<'_>) -> Result<wgpu::TextureView, RenderError> {
-        let size = wgpu::Extent3d {
-            width: frame.options.width,
-            height: frame.options.height,
-            depth_or_array_layers: 1,
-        };
+        let size = picture_size(frame);
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let texture = self
             .gpu

@@ -25,7 +25,7 @@ impl Renderer {
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
-        view: &View,
+        (view, seen): (&View, Option<[f64; 2]>),
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
         receivers: &[usize],
@@ -41,7 +41,12 @@ impl Renderer {
                 receiver_bounds.push(object.bounds);
             }
         }
-        let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
+        let plan = plan(
+            (view, seen),
+            (light, setup),
+            &caster_bounds,
+            &receiver_bounds,
+        )?;
         regions::check(setup, &plan.regions)?;
         self.check_needs(light, setup, &plan)?;
         let textures = self.textures(frame, light, setup, &plan)?;
@@ -201,9 +206,8 @@ pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
 }
 
 fn plan(
-    view: &View,
-    light: &LightSetup<'_>,
-    setup: &MethodSetup<'_>,
+    (view, seen): (&View, Option<[f64; 2]>),
+    (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
     casters: &[Aabb],
     receivers: &[Aabb],
 ) -> Result<ShadowPlan, RenderError> {
@@ -213,6 +217,7 @@ fn plan(
         casters: Casters { casters, receivers },
         settings: &setup.settings,
         axes: &setup.axes,
+        seen,
     };
     let light = light.source.name.clone();
     setup
