@@ -2,26 +2,29 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use serde::Serialize;
-use umbrage_render::{RenderError, Rendered, Scene, What};
+use umbrage_render::{RenderError, RenderOptions, Rendered, Scene};
 
 use super::{
-    Lab, Progress, StudyError,
+    Config, Lab, Progress, StudyError,
     lab::{Subject, terms},
     motion::{Moving, shimmer_between},
 };
 use crate::{
     cases::{Case, Limits, Verdict},
-    figures::Figures,
+    figures::{Figures, bad_pixels},
     report::Pictures,
     truth::{Truth, TruthStore},
 };
 
-/// How a method did in a hard case.
+/// How a variant of a method did in a hard case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseResult {
     /// The case's name.
     pub case: &'static str,
+    /// The variant's name.
+    pub variant: String,
     /// The method's name.
     pub method: String,
     /// How the figures stand against the limits.
@@ -37,70 +40,82 @@ pub struct CaseResult {
     pub pictures: Pictures,
 }
 
-/// What came of trying methods in hard cases.
+/// What came of trying variants in hard cases.
 #[derive(Clone, Debug, Default)]
 pub struct Stressed {
-    /// One result for each case and each method that can shadow one of its lights.
+    /// One result for each case and each variant that can be tried in it.
     pub results: Vec<CaseResult>,
-    /// The methods that can shadow none of a case's lights: case, method and reason.
+    /// The variants whose method can shadow none of a case's lights, or that choose otherwise than what makes
+    /// the case: case, variant and reason.
     pub skipped: Vec<(&'static str, String, String)>,
     /// Damaged cache entries.
     pub warnings: Vec<String>,
 }
 
-/// Draws each of `cases` with each of `methods`, and holds the errors against `limits`. A case that must look
-/// like another wants that one among `cases`, before it. Of a case's lights those are measured that the method can
-/// shadow.
+/// Draws each of `cases` with each of `variants` ([`Config::variants`]), and holds the errors against `limits` by
+/// the variants' names. A case that must look like another wants that one among `cases`, before it. Of a case's
+/// lights those are measured that the method can shadow.
 ///
 /// # Errors
 /// A method that is not registered, and what cannot be traced or rendered.
 pub fn stress(
     lab: &mut Lab,
-    methods: &[String],
+    variants: &[Config],
     cases: &[Case],
     limits: &Limits,
     store: Option<&TruthStore>,
     progress: &dyn Progress,
 ) -> Result<Stressed, StudyError> {
     let mut stressed = Stressed::default();
-    let mut drawn: BTreeMap<(&str, String), Vec<Rendered>> = BTreeMap::new();
-    progress.begin("hard cases", cases.len() * methods.len());
+    let mut kept = BTreeMap::new();
+    progress.begin("hard cases", cases.len() * variants.len());
     for case in cases {
         let moving = Moving::new(&case.scene, case.cameras(), |scene| {
             let (truth, warnings) = truth(scene, case, store)?;
             stressed.warnings.extend(warnings);
             Ok(truth)
         })?;
-        let render = |what: &str| {
-            let (scene, what) = (case.name.to_owned(), what.to_owned());
-            move |source: RenderError| StudyError::Render {
-                scene,
-                what,
-                source,
+        let mut tries = Vec::new();
+        for variant in variants {
+            match Try::new(lab, case, variant)? {
+                Ok(fit) => tries.push(fit),
+                Err(reason) => {
+                    let name = variant.name.clone();
+                    stressed.skipped.push((case.name, name, reason));
+                    progress.step();
+                }
             }
-        };
-        for name in methods {
+        }
+        let mut lit = BTreeMap::new();
+        for Try { lights, .. } in &tries {
+            lit.entry(lights.as_slice())
+                .or_insert_with(|| moving.lit_by(lights));
+        }
+        let subjects = lit.iter().map(|(lights, moving)| {
+            let subjects = moving.subjects(lab);
+            let subjects = subjects.map_err(|source| refused(case, "no shadow method", source));
+            Ok((*lights, subjects?))
+        });
+        let subjects: BTreeMap<_, _> = subjects.collect::<Result<_, StudyError>>()?;
+        let drawn = tries.iter().map(|fit| {
             progress.step();
-            let (lights, refusal) = lab.lights(&case.scene, name)?;
-            if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
-                stressed.skipped.push((case.name, name.clone(), reason));
-                continue;
-            }
-            let moving = moving.lit_by(&lights);
-            let subjects = moving.subjects(lab).map_err(render(name))?;
-            let method = lab.registry().get(name).map_err(StudyError::Method)?;
-            let options = case.options(method.as_ref(), What::ShadowTerm);
-            let rendered = subjects.iter().map(|subject| lab.terms(subject, &options));
-            let rendered = rendered
-                .collect::<Result<Vec<_>, _>>()
-                .map_err(render(name))?;
+            fit.draw(lab, case, &subjects[fit.lights.as_slice()])
+        });
+        let drawn = drawn.collect::<Result<Vec<_>, _>>()?;
+        // The device waits meanwhile, but the cores share the variants.
+        let results = tries.par_iter().zip(&drawn).map(|(fit, drawn)| {
             let twin = case
                 .same_as
-                .and_then(|twin| drawn.get(&(twin, name.clone())));
-            let differs = twin.map(|twin| differs(&subjects, &rendered, twin));
-            let result = judge(case, name, &subjects, &rendered, differs, limits)?;
-            stressed.results.push(result);
-            drawn.insert((case.name, name.clone()), rendered);
+                .and_then(|twin| kept.get(&(twin, &fit.variant.name)));
+            let subjects = &subjects[fit.lights.as_slice()];
+            fit.judge(case, subjects, drawn, twin.map(Vec::as_slice), limits)
+        });
+        stressed
+            .results
+            .par_extend(results.collect::<Result<Vec<_>, _>>()?);
+        if cases.iter().any(|other| other.same_as == Some(case.name)) {
+            let names = tries.iter().map(|fit| (case.name, &fit.variant.name));
+            kept.extend(names.zip(drawn));
         }
     }
     Ok(stressed)
@@ -121,39 +136,87 @@ fn truth(
     })
 }
 
-/// What was rendered of a case (one picture for each subject) against its limits.
-fn judge(
-    case: &Case,
-    method: &str,
-    subjects: &[Subject<'_>],
-    rendered: &[Rendered],
-    differs: Option<f64>,
-    limits: &Limits,
-) -> Result<CaseResult, StudyError> {
-    let pairs = || subjects.iter().zip(rendered);
-    let each = pairs().map(|(subject, rendered)| subject.figures(rendered));
-    let each = each.collect::<Result<Vec<_>, _>>()?;
-    let first = each.first().cloned().unwrap_or_default();
-    let figures = Figures {
-        bad_pixels: each.iter().map(|figures| figures.bad_pixels).sum(),
-        shimmer: shimmer_between(subjects, rendered)?,
-        ..first
-    };
-    let no_limits = || StudyError::NoLimits { case: case.name };
-    let verdict = limits
-        .judge(case.name, method, &figures, differs)
-        .ok_or_else(no_limits)?;
-    let pictures = pairs()
-        .next()
-        .map(|(subject, rendered)| subject.pictures(rendered, None));
-    Ok(CaseResult {
-        case: case.name,
-        method: method.to_owned(),
-        verdict,
-        figures,
-        differs,
-        pictures: pictures.ok_or_else(no_limits)??,
-    })
+fn refused(case: &Case, what: &str, source: RenderError) -> StudyError {
+    StudyError::Render {
+        scene: case.name.to_owned(),
+        what: what.to_owned(),
+        source,
+    }
+}
+
+/// A variant that is tried in a case.
+struct Try<'a> {
+    variant: &'a Config,
+    options: RenderOptions,
+    /// What the method can shadow, by the lights' places in the case.
+    lights: Vec<usize>,
+}
+
+impl<'a> Try<'a> {
+    /// Or why the variant is not tried.
+    fn new(
+        lab: &Lab,
+        case: &Case,
+        variant: &'a Config,
+    ) -> Result<Result<Self, String>, StudyError> {
+        let (lights, refusal) = lab.lights(&case.scene, &variant.method)?;
+        if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
+            return Ok(Err(reason));
+        }
+        let method = lab.registry().get(&variant.method);
+        let options = case.options(variant, method.map_err(StudyError::Method)?.as_ref());
+        Ok(options.map(|options| Self {
+            variant,
+            options,
+            lights,
+        }))
+    }
+
+    /// The shadow terms of each subject.
+    fn draw(
+        &self,
+        lab: &mut Lab,
+        case: &Case,
+        subjects: &[Subject<'_>],
+    ) -> Result<Vec<Rendered>, StudyError> {
+        let drawn = subjects.iter().map(|subject| {
+            let terms = lab.terms(subject, &self.options);
+            terms.map_err(|source| refused(case, &self.variant.name, source))
+        });
+        drawn.collect()
+    }
+
+    /// What was drawn of a case (one picture for each subject) against its limits.
+    fn judge(
+        &self,
+        case: &Case,
+        subjects: &[Subject<'_>],
+        drawn: &[Rendered],
+        twin: Option<&[Rendered]>,
+        limits: &Limits,
+    ) -> Result<CaseResult, StudyError> {
+        let no_limits = || StudyError::NoLimits { case: case.name };
+        let first = subjects.first().zip(drawn.first());
+        let (subject, rendered) = first.ok_or_else(no_limits)?;
+        let terms = drawn.iter().flat_map(terms);
+        let figures = Figures {
+            bad_pixels: terms.map(|terms| bad_pixels(terms)).sum(),
+            shimmer: shimmer_between(subjects, drawn)?,
+            ..subject.figures(rendered)?
+        };
+        let differs = twin.map(|twin| differs(subjects, drawn, twin));
+        let name = &self.variant.name;
+        let verdict = limits.judge(case.name, name, &figures, differs);
+        Ok(CaseResult {
+            case: case.name,
+            variant: name.clone(),
+            method: self.variant.method.clone(),
+            verdict: verdict.ok_or_else(no_limits)?,
+            figures,
+            differs,
+            pictures: subject.pictures(rendered, None)?,
+        })
+    }
 }
 
 /// Share of the compared samples that are on another side of ½ than in `twin`, the same pictures drawn
