@@ -331,12 +331,64 @@ fn mirrors_mirror() {
 
 #[test]
 fn what_touches_touches() {
-    for name in ["contact", "contact-lamp"] {
-        for object in &case(name).scene.objects {
-            if ["wall", "ball", "cone"].contains(&object.name.as_str()) {
-                assert!(object.bounds.min.y.abs() < 1e-7, "{name}: {}", object.name);
-            }
+    let standing = ["wall", "ball", "cone", "kerb", "plinth", "pillar", "ramp"];
+    for (name, count) in [
+        ("contact", 3),
+        ("contact-lamp", 3),
+        ("exponent-contact", 4),
+        ("exponent-contact-spot", 4),
+    ] {
+        let scene = case(name).scene;
+        let objects = scene.objects.iter();
+        let standing: Vec<_> = objects
+            .filter(|object| standing.contains(&object.name.as_str()))
+            .collect();
+        assert_eq!(standing.len(), count, "{name}");
+        for object in standing {
+            assert!(object.bounds.min.y.abs() < 1e-7, "{name}: {}", object.name);
         }
+    }
+}
+
+/// Depths along the light for an exponent to span: 80 m under a sun, a ratio of 80 under a spot light.
+#[test]
+fn exponents_have_far_to_go() {
+    for name in ["exponent", "exponent-contact"] {
+        let scene = case(name).scene;
+        let beams = scene.objects.iter().filter(|o| o.name == "beam");
+        let heights: Vec<_> = beams.map(|beam| beam.bounds.center().y).collect();
+        assert!(heights.len() >= 2, "{name}");
+        assert!(
+            heights.iter().all(|y| (y - 80.0).abs() < 1e-6),
+            "{heights:?}"
+        );
+    }
+    let case = case("exponent-contact-spot");
+    let LightKind::Spot { position, .. } = case.scene.lights[0].light.kind else {
+        unreachable!("a spot light")
+    };
+    let depth = |at: DVec3| (at - position).dot(direction(&case.scene));
+    let bars = case.scene.objects.iter().filter(|o| o.name == "bar");
+    let nearest = bars.map(|bar| depth(bar.bounds.center()));
+    let nearest = nearest.fold(f64::INFINITY, f64::min);
+    let seen = samples(&case).into_iter();
+    let farthest = seen.map(|(seen, _)| depth(seen.position + case.scene.camera.position));
+    let ratio = farthest.fold(0.0, f64::max) / nearest;
+    assert!((70.0..90.0).contains(&ratio), "{ratio}");
+}
+
+/// No plane, a plane within a small part of a texel, and one within about a texel.
+#[test]
+fn blocks_are_more_or_less_planes() {
+    for name in ["steep-blocks-7", "steep-blocks-spot-7"] {
+        let scene = case(name).scene;
+        let span = |name: &str| {
+            let found = scene.objects.iter().find(|object| object.name == name);
+            let bounds = found.expect("a patch").bounds;
+            bounds.max.y - bounds.min.y
+        };
+        assert!((0.010..0.013).contains(&span("rough")), "{name}");
+        assert!((0.10..0.13).contains(&span("rougher")), "{name}");
     }
 }
 
