@@ -309,7 +309,10 @@ impl<'a> Oracle<'a> {
             (Pass::Casters(pass), Some(Twin::Pssm(_))) => {
                 (number == layer as usize).then_some(pass)
             }
-            (Pass::Casters(pass), _) => (pass.layer == layer).then_some(pass),
+            (Pass::Casters(pass), _) => {
+                let own = pass.depth.as_ref().map(|depth| depth.layer);
+                (own == Some(layer)).then_some(pass)
+            }
             _ => None,
         });
         // A layer that nothing is drawn into holds what it is cleared to: far.

@@ -156,8 +156,16 @@ fn light(
         _ => LightKind::Directional { direction },
     };
     let axes: &[_] = match method {
-        "pssm" => &["fit", "lookup", "pcf", "receiver_bias", "transition"],
-        _ => &["pcf", "receiver_bias"],
+        "pssm" => &[
+            "depth",
+            "filter",
+            "fit",
+            "lookup",
+            "pcf",
+            "receiver_bias",
+            "transition",
+        ],
+        _ => &["depth", "filter", "pcf", "receiver_bias"],
     };
     let axes = axes.iter().map(|axis| {
         let value = library.axes().value(key, axis).unwrap_or("");

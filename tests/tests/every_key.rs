@@ -25,7 +25,15 @@ const SIZE: u32 = 40;
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 5] = ["lookup", "method", "pcf", "receiver_bias", "transition"];
+const SHADOW_AXES: [&str; 7] = [
+    "depth",
+    "filter",
+    "lookup",
+    "method",
+    "pcf",
+    "receiver_bias",
+    "transition",
+];
 
 /// The one file beside the manifests that is none; what it limits is tested with the command.
 const BUDGET: &str = "budget.ron";
@@ -196,6 +204,8 @@ impl Studio {
             "method",
             "pcf",
             "receiver_bias",
+            "depth",
+            "filter",
             "lookup",
             "transition",
             "alpha_test",

@@ -9,7 +9,7 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, record},
     lights::{self, LightSetup},
-    pipelines::{ColorState, DrawState},
+    pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target},
 };
@@ -273,10 +273,10 @@ fn camera_state(
     DrawState {
         color: Some(ColorState {
             format,
-            additive,
+            blend: additive.then_some(ADD),
             channels: wgpu::ColorWrites::ALL,
         }),
-        depth: DEPTH,
+        depth: Some(DEPTH),
         compare: wgpu::CompareFunction::GreaterEqual,
         write_depth: !additive,
         cull: None,

@@ -171,10 +171,8 @@ impl Renderer {
         frame.report.passes += 1;
         let mask = (TERM, masks.mask.clone());
         Ok(ShadowResources {
-            constants: Constants::new(),
             textures: BTreeMap::from([(MASK.to_owned(), mask)]),
-            samplers: BTreeMap::new(),
-            buffers: BTreeMap::new(),
+            ..ShadowResources::default()
         })
     }
 }
@@ -184,10 +182,10 @@ fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawSta
     DrawState {
         color: Some(ColorState {
             format,
-            additive: false,
+            blend: None,
             channels: wgpu::ColorWrites::ALL,
         }),
-        depth: DEPTH,
+        depth: Some(DEPTH),
         compare,
         write_depth: false,
         cull: None,

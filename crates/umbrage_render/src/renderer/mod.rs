@@ -3,6 +3,7 @@
 mod assets;
 mod bind;
 mod camera;
+mod derived;
 mod draw;
 mod lights;
 mod masks;
@@ -14,7 +15,7 @@ mod target;
 mod timer;
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     sync::Arc,
     time::Instant,
 };
@@ -28,7 +29,7 @@ use self::{
     draw::FrameState,
     lights::LightSetup,
     objects::Objects,
-    pipelines::{DrawState, Pipeline},
+    pipelines::{Computation, DrawState, Pipeline},
     resources::TextureId,
     timer::Timer,
 };
@@ -44,6 +45,7 @@ pub struct Renderer {
     registry: Registry,
     assets: Assets,
     pipelines: HashMap<(Key, DrawState), Arc<Pipeline>>,
+    computations: HashMap<(Key, BTreeSet<String>), Arc<Computation>>,
     shadow_maps: BTreeMap<TextureId, (TextureDesc, wgpu::Texture)>,
     white: Arc<Image>,
 }
@@ -135,6 +137,7 @@ impl Renderer {
             registry,
             assets: Assets::default(),
             pipelines: HashMap::new(),
+            computations: HashMap::new(),
             shadow_maps: BTreeMap::new(),
             white: Arc::new(Image::white()),
         }
@@ -167,6 +170,7 @@ impl Renderer {
             // What was made along with the error may be broken.
             self.assets = Assets::default();
             self.pipelines.clear();
+            self.computations.clear();
             self.shadow_maps.clear();
         }
         let mut rendered = done??;
