@@ -16,6 +16,8 @@ mod stage;
 mod tests;
 #[cfg(test)]
 mod tests_of_limits;
+#[cfg(test)]
+mod tests_of_scenes;
 
 use std::{collections::BTreeMap, fmt};
 
