@@ -66,59 +66,97 @@ pub fn stress(
     store: Option<&TruthStore>,
     progress: &dyn Progress,
 ) -> Result<Stressed, StudyError> {
-    let mut stressed = Stressed::default();
-    let mut kept = BTreeMap::new();
+    let mut run = Run {
+        lab,
+        limits,
+        store,
+        progress,
+        twins: BTreeMap::new(),
+        stressed: Stressed::default(),
+    };
     progress.begin("hard cases", cases.len() * variants.len());
     for case in cases {
+        let is_twin = cases.iter().any(|other| other.same_as == Some(case.name));
+        run.case(case, variants, is_twin)?;
+    }
+    Ok(run.stressed)
+}
+
+/// All cases' turns.
+struct Run<'a> {
+    lab: &'a mut Lab,
+    limits: &'a Limits,
+    store: Option<&'a TruthStore>,
+    progress: &'a dyn Progress,
+    /// What was drawn of the cases that others must look like, by case and variant.
+    twins: BTreeMap<(&'static str, &'a str), Vec<Rendered>>,
+    stressed: Stressed,
+}
+
+impl<'a> Run<'a> {
+    fn case(
+        &mut self,
+        case: &Case,
+        variants: &'a [Config],
+        is_twin: bool,
+    ) -> Result<(), StudyError> {
         let moving = Moving::new(&case.scene, case.cameras(), |scene| {
-            let (truth, warnings) = truth(scene, case, store)?;
-            stressed.warnings.extend(warnings);
+            let (truth, warnings) = truth(scene, case, self.store)?;
+            self.stressed.warnings.extend(warnings);
             Ok(truth)
         })?;
-        let mut tries = Vec::new();
+        // What methods that shadow the same lights are held against is found once.
+        let mut tries = BTreeMap::<_, Vec<_>>::new();
         for variant in variants {
-            match Try::new(lab, case, variant)? {
-                Ok(fit) => tries.push(fit),
+            match Try::new(self.lab, case, variant)? {
+                Ok((lights, fit)) => tries.entry(lights).or_default().push(fit),
                 Err(reason) => {
                     let name = variant.name.clone();
-                    stressed.skipped.push((case.name, name, reason));
-                    progress.step();
+                    self.stressed.skipped.push((case.name, name, reason));
+                    self.progress.step();
                 }
             }
         }
-        let mut lit = BTreeMap::new();
-        for Try { lights, .. } in &tries {
-            lit.entry(lights.as_slice())
-                .or_insert_with(|| moving.lit_by(lights));
+        let mut results = Vec::new();
+        for (lights, tries) in &tries {
+            results.extend(self.lit(case, &moving.lit_by(lights), tries, is_twin)?);
         }
-        let subjects = lit.iter().map(|(lights, moving)| {
-            let subjects = moving.subjects(lab);
-            let subjects = subjects.map_err(|source| refused(case, "no shadow method", source));
-            Ok((*lights, subjects?))
-        });
-        let subjects: BTreeMap<_, _> = subjects.collect::<Result<_, StudyError>>()?;
+        results.sort_by_key(|result| variants.iter().position(|v| v.name == result.variant));
+        self.stressed.results.extend(results);
+        Ok(())
+    }
+
+    /// Variants whose methods shadow the same lights, in these alone.
+    fn lit(
+        &mut self,
+        case: &Case,
+        moving: &Moving,
+        tries: &[Try<'a>],
+        is_twin: bool,
+    ) -> Result<Vec<CaseResult>, StudyError> {
+        let subjects = moving.subjects(self.lab);
+        let subjects = subjects.map_err(|source| refused(case, "no shadow method", source))?;
         let drawn = tries.iter().map(|fit| {
-            progress.step();
-            fit.draw(lab, case, &subjects[fit.lights.as_slice()])
+            self.progress.step();
+            fit.draw(self.lab, case, &subjects)
         });
         let drawn = drawn.collect::<Result<Vec<_>, _>>()?;
         // The device waits meanwhile, but the cores share the variants.
         let results = tries.par_iter().zip(&drawn).map(|(fit, drawn)| {
-            let twin = case
-                .same_as
-                .and_then(|twin| kept.get(&(twin, &fit.variant.name)));
-            let subjects = &subjects[fit.lights.as_slice()];
-            fit.judge(case, subjects, drawn, twin.map(Vec::as_slice), limits)
+            let twin = (case.same_as)
+                .and_then(|twin| self.twins.get(&(twin, fit.variant.name.as_str())))
+                .map(|twin| differs(&subjects, drawn, twin));
+            fit.judge(case, &subjects, drawn, twin, self.limits)
         });
-        stressed
-            .results
-            .par_extend(results.collect::<Result<Vec<_>, _>>()?);
-        if cases.iter().any(|other| other.same_as == Some(case.name)) {
-            let names = tries.iter().map(|fit| (case.name, &fit.variant.name));
-            kept.extend(names.zip(drawn));
+        let results = results.collect::<Result<Vec<_>, _>>()?;
+        if is_twin {
+            let names = tries
+                .iter()
+                .map(|fit| (case.name, fit.variant.name.as_str()));
+            self.twins.extend(names.zip(drawn));
         }
+        Ok(results)
     }
-    Ok(stressed)
 }
 
 fn truth(
@@ -148,28 +186,22 @@ fn refused(case: &Case, what: &str, source: RenderError) -> StudyError {
 struct Try<'a> {
     variant: &'a Config,
     options: RenderOptions,
-    /// What the method can shadow, by the lights' places in the case.
-    lights: Vec<usize>,
 }
 
 impl<'a> Try<'a> {
-    /// Or why the variant is not tried.
+    /// What to try, and in which of the case's lights, by their places; or why it is not tried.
     fn new(
         lab: &Lab,
         case: &Case,
         variant: &'a Config,
-    ) -> Result<Result<Self, String>, StudyError> {
+    ) -> Result<Result<(Vec<usize>, Self), String>, StudyError> {
         let (lights, refusal) = lab.lights(&case.scene, &variant.method)?;
         if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
             return Ok(Err(reason));
         }
         let method = lab.registry().get(&variant.method);
         let options = case.options(variant, method.map_err(StudyError::Method)?.as_ref());
-        Ok(options.map(|options| Self {
-            variant,
-            options,
-            lights,
-        }))
+        Ok(options.map(|options| (lights, Self { variant, options })))
     }
 
     /// The shadow terms of each subject.
@@ -192,7 +224,7 @@ impl<'a> Try<'a> {
         case: &Case,
         subjects: &[Subject<'_>],
         drawn: &[Rendered],
-        twin: Option<&[Rendered]>,
+        differs: Option<f64>,
         limits: &Limits,
     ) -> Result<CaseResult, StudyError> {
         let no_limits = || StudyError::NoLimits { case: case.name };
@@ -204,7 +236,6 @@ impl<'a> Try<'a> {
             shimmer: shimmer_between(subjects, drawn)?,
             ..subject.figures(rendered)?
         };
-        let differs = twin.map(|twin| differs(subjects, drawn, twin));
         let name = &self.variant.name;
         let verdict = limits.judge(case.name, name, &figures, differs);
         Ok(CaseResult {
