@@ -132,9 +132,15 @@ pub(crate) struct StressArgs {
     /// The methods, with commas between; without it or with `all`, every one.
     #[arg(long, value_name = "all|A,B")]
     pub(crate) methods: Option<String>,
+    /// The variants of these methods, with commas between; without it, every one.
+    #[arg(long, value_name = "A,B")]
+    pub(crate) variants: Option<String>,
     /// The hard cases, with commas between; without it, every one.
     #[arg(long, value_name = "A,B")]
     pub(crate) cases: Option<String>,
+    /// The variants and the limits that they are held to; without it, the project's own.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) limits: Option<PathBuf>,
     /// A folder to keep permutations and truths in from run to run; without it, none is kept.
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
