@@ -21,6 +21,12 @@
 //! - `tight`: the rectangle of the receivers seen in the split, and the range as it is. Texels are finer, and
 //!   follow the view from frame to frame.
 //!
+//! What is split is what receivers' boxes say may be seen. They say too much where something near hides a long street:
+//! with the axis `range` at `depths`, the range ends where pixels see something, which is reduced on the GPU and read
+//! back before the plan (after Lauritzen, Salvi and Lefohn 2011, "Sample distribution shadow maps", of which this is
+//! the range alone). It costs a pass over the objects and a wait within the frame; and splits move with what is seen, by
+//! powers of two where the fit is `stable`.
+//!
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
 //! split's own map, towards the light), `band` (of a split's length). What the shader does: `pcf` and
