@@ -73,12 +73,18 @@ impl Times {
             passes.map(|time| time.milliseconds).sum::<f64>()
         };
         self.casters.push(sum(&|pass| pass.planned));
-        // The base pass is no light's; what only masks need is the masks'.
+        // The base pass is no light's; what only masks and methods look at is theirs.
         let shades = |pass: &PassTime| {
             // A mask filled by regions has a pass for each: `mask 0`.
-            let kind = pass.pass.split(' ').next();
-            let own = ["illumination", "linear_depth", "mask", "region"];
-            !pass.planned && kind.is_some_and(|kind| own.contains(&kind))
+            let kind = pass.pass.split(' ').next().unwrap_or_default();
+            let own = [
+                "depth_range",
+                "illumination",
+                "linear_depth",
+                "mask",
+                "region",
+            ];
+            !pass.planned && own.contains(&kind)
         };
         self.shading.push(sum(&shades));
     }
