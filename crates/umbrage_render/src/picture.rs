@@ -67,7 +67,8 @@ pub struct Report {
     pub shadow_bytes: u64,
     /// Bytes of what the [mask path](crate::Path::Mask) keeps beside the picture, by its formats: 20 a pixel,
     /// 16 for the planes that are seen and 4 for the mask, which all lights share; 4 more for the pixels'
-    /// regions where a mask is filled [by split](crate::Path::MaskBySplit); 0 where no light has a mask.
+    /// regions where a mask is filled [by split](crate::Path::MaskBySplit); 0 where no light has a mask, but for the
+    /// planes where a method asks for the depths that are seen.
     pub mask_bytes: u64,
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
