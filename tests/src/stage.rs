@@ -122,6 +122,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
+        medium: None,
     };
     Stage {
         scene,

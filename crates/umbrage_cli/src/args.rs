@@ -157,6 +157,8 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+    /// The texture fetches of the light that the air scatters: white where they are most, black where there are none.
+    ShaftFetches,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]

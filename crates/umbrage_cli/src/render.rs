@@ -92,6 +92,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::ShadowTerm => render::What::ShadowTerm,
             What::Triangles => render::What::Triangles,
             What::Fetches => render::What::Fetches,
+            What::ShaftFetches => render::What::ShaftFetches,
         },
         method: args.method.clone(),
         path: match args.path {

@@ -6,7 +6,9 @@ use umbrage_compose::{Binding, BindingKind, Key};
 use umbrage_shadow::{Constants, Value};
 
 use super::{
-    Renderer, assets,
+    Renderer,
+    air::SEEN_DEPTH,
+    assets,
     draw::{FrameState, PassInputs},
     masks::SEEN_PLANES,
     pipelines::Pipeline,
@@ -23,7 +25,7 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         pipeline: &Pipeline,
         (group, layout): (usize, &wgpu::BindGroupLayout),
-        object: &Object,
+        object: Option<&Object>,
     ) -> Result<wgpu::BindGroup, RenderError> {
         let mut resources = Vec::new();
         for binding in pipeline.bindings(group) {
@@ -120,12 +122,18 @@ impl Renderer {
                     .with("ambient", Value::Vec3(inputs.ambient));
                 self.uniform(key, binding, &constants)
             }
-            ("rays", _) => self.uniform(key, binding, &frame.rays),
+            ("rays" | "medium", _) => self.uniform(key, binding, &frame.rays),
             (SEEN_PLANES, BindingKind::Texture { .. }) => {
                 let nothing = "what passes before the masks give";
                 let planes = frame.planes.clone();
                 let planes = planes.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(planes))
+            }
+            (SEEN_DEPTH, BindingKind::Texture { .. }) => {
+                let nothing = "what passes before the air's give";
+                let depth = frame.seen_depth.clone();
+                let depth = depth.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(depth))
             }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
@@ -143,7 +151,8 @@ impl Renderer {
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame`, `rays`, `instances` and, to a mask, `seen_planes`",
+                "what the frame gives, `frame`, `rays`, `instances`, to a mask `seen_planes`, and of air `medium` and \
+                 `seen_depth`",
             )),
         }
     }
@@ -196,10 +205,12 @@ impl Renderer {
 
     fn material_resource(
         &mut self,
-        object: &Object,
+        object: Option<&Object>,
         key: &Key,
         binding: &Binding,
     ) -> Result<Resource, RenderError> {
+        let nothing = "what a pass that draws no object gives";
+        let object = object.ok_or_else(|| unknown(key, binding, nothing))?;
         let material = &object.material;
         let texture = material.base_color_texture.as_ref();
         match binding.name.as_str() {

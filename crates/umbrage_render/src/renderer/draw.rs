@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     PermutationUse, RenderError, Report,
-    scene::{Material, Object},
+    scene::Material,
 };
 
 /// What is being rendered, and what has been found out on the way.
@@ -36,7 +36,9 @@ pub(super) struct FrameState<'a> {
     pub(super) shadow_maps: BTreeSet<TextureId>,
     /// What is seen, where it was laid down for masks.
     pub(super) planes: Option<wgpu::TextureView>,
-    /// The members of the shader's block `rays`.
+    /// The depth of what is seen, once it is there for the air.
+    pub(super) seen_depth: Option<wgpu::TextureView>,
+    /// The members of the shader's blocks `rays` and `medium`.
     pub(super) rays: Constants,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
@@ -90,6 +92,7 @@ impl<'a> FrameState<'a> {
     ) -> Self {
         Self {
             planes: None,
+            seen_depth: None,
             rays,
             options,
             objects,
@@ -147,7 +150,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, object, Some(&object.material))?;
+            let permutation = self.compose(frame, inputs, &object.name, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.groups.len() {
@@ -161,7 +164,7 @@ impl Renderer {
                     (Some(bound), _) => Some(bound.clone()),
                     (None, None) => None,
                     (None, Some(layout)) => {
-                        Some(self.bind(frame, inputs, &pipeline, (group, layout), object)?)
+                        Some(self.bind(frame, inputs, &pipeline, (group, layout), Some(object))?)
                     }
                 };
                 if let Some(bound) = &bound {
@@ -184,22 +187,20 @@ impl Renderer {
         Ok(commands)
     }
 
-    /// The command that draws one triangle around the picture, for the sake of `object`.
+    /// The command that draws one triangle around the picture, for the sake of what is called `cause`.
     pub(super) fn prepare_screen(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
-        let permutation = self.compose(frame, inputs, object, None)?;
+        let permutation = self.compose(frame, inputs, cause, None)?;
         let pipeline = self.pipeline(permutation, &inputs.state, false)?;
         let mut groups = Vec::new();
         for (group, layout) in pipeline.groups.iter().enumerate() {
             groups.push(match layout {
-                Some(layout) => {
-                    Some(self.bind(frame, inputs, &pipeline, (group, layout), object)?)
-                }
+                Some(layout) => Some(self.bind(frame, inputs, &pipeline, (group, layout), None)?),
                 None => None,
             });
         }
@@ -212,13 +213,13 @@ impl Renderer {
         })
     }
 
-    /// The permutation that `object` needs in this pass, for a material where it is one's, composed on
+    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's, composed on
     /// first need.
     fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
         material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
         let light = inputs.light.map(|light| (light.setup, light.masked));
@@ -235,7 +236,7 @@ impl Renderer {
             frame.report.permutations.push(PermutationUse {
                 key: permutation.key.clone(),
                 source: composed.source,
-                object: object.name.clone(),
+                object: cause.to_owned(),
                 light: inputs.cause.map(str::to_owned),
             });
         }

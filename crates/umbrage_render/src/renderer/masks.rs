@@ -9,7 +9,7 @@ use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
     draw::{FrameState, LightInputs, PassInputs, record},
-    pipelines::{ColorState, DrawState},
+    pipelines::{Blend, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target, begin},
 };
@@ -152,7 +152,7 @@ impl Renderer {
             .collect();
         let mut commands = Vec::new();
         if let Some(first) = receivers.first() {
-            commands.push(self.prepare_screen(frame, &inputs, first)?);
+            commands.push(self.prepare_screen(frame, &inputs, &first.name)?);
         }
         let boxes = receivers.iter().map(|object| object.bounds);
         let size = [frame.options.width, frame.options.height];
@@ -184,10 +184,10 @@ fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawSta
     DrawState {
         color: Some(ColorState {
             format,
-            additive: false,
+            blend: Blend::Replace,
             channels: wgpu::ColorWrites::ALL,
         }),
-        depth: DEPTH,
+        depth: Some(DEPTH),
         compare,
         write_depth: false,
         cull: None,

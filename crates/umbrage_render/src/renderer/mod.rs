@@ -1,5 +1,6 @@
 //! Renders a scene: shadow maps, then what the camera sees.
 
+mod air;
 mod assets;
 mod bind;
 mod camera;
@@ -66,10 +67,17 @@ pub struct RenderOptions {
     pub settings: BTreeMap<String, f64>,
     /// How shadow terms come to where light is added.
     pub path: Path,
+    /// How many steps are made along each pixel's ray through a scene's [medium](crate::Medium), for each light: 1 to
+    /// [`MOST_SHAFT_STEPS`]. Each looks up the light's shadow once. The grain that is left where shafts begin and end
+    /// falls with their number.
+    pub shaft_steps: u32,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
 }
+
+/// The most steps that a ray through a medium may have.
+pub const MOST_SHAFT_STEPS: u32 = 4096;
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,6 +91,9 @@ pub enum What {
     Triangles,
     /// For each light the texture fetches that its shadow term takes, counted on the device.
     Fetches,
+    /// For each light the texture fetches that its shafts take: for every step those of the shadow term and of a
+    /// cookie, and one for the depth of what is seen.
+    ShaftFetches,
 }
 
 /// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
@@ -111,6 +122,7 @@ impl Default for RenderOptions {
             axes: BTreeMap::new(),
             settings: BTreeMap::new(),
             path: Path::Forward,
+            shaft_steps: 32,
             timed: false,
         }
     }
@@ -160,6 +172,10 @@ impl Renderer {
                 limit,
             });
         }
+        let steps = options.shaft_steps;
+        if !(1..=MOST_SHAFT_STEPS).contains(&steps) {
+            return Err(RenderError::Steps { steps });
+        }
         self.assets.sweep();
         let gpu = Arc::clone(&self.gpu);
         let done = gpu.check(|| self.render_unchecked(scene, options));
@@ -185,6 +201,11 @@ impl Renderer {
         let lights = lights::set_up(scene, options, &registry, library)?;
         let view = scene.camera.view(options.width, options.height);
         check(scene, &view)?;
+        let rays = masks::rays(&view, options);
+        let rays = match &scene.medium {
+            Some(medium) => air::constants(rays, &view, medium, options),
+            None => rays,
+        };
         let objects = Objects::new(scene, view.position);
         let frustum = view.frustum_relative();
         let near = |bounds: Aabb| bounds.translate(-view.position);
@@ -207,13 +228,14 @@ impl Renderer {
             objects,
             encoder,
             Timer::new(&self.gpu, options.timed),
-            masks::rays(&shot.view, options),
+            rays,
         );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
+            What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
@@ -234,6 +256,12 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
         what: "the camera".to_owned(),
         source,
     })?;
+    if let Some(medium) = &scene.medium {
+        medium.validate().map_err(|source| RenderError::Scene {
+            what: "the medium".to_owned(),
+            source,
+        })?;
+    }
     for object in &scene.objects {
         let Aabb { min, max } = object.bounds;
         PlanError::check(
@@ -299,6 +327,7 @@ mod tests {
             What::ShadowTerm,
             What::Triangles,
             What::Fetches,
+            What::ShaftFetches,
         ] {
             let options = RenderOptions {
                 width: 40,

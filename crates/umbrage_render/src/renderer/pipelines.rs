@@ -12,7 +12,8 @@ use crate::{Gpu, RenderError};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct DrawState {
     pub(super) color: Option<ColorState>,
-    pub(super) depth: wgpu::TextureFormat,
+    /// None where there is no depth to test.
+    pub(super) depth: Option<wgpu::TextureFormat>,
     pub(super) compare: wgpu::CompareFunction,
     pub(super) write_depth: bool,
     pub(super) cull: Option<wgpu::Face>,
@@ -25,10 +26,20 @@ pub(super) struct DrawState {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ColorState {
     pub(super) format: wgpu::TextureFormat,
-    /// Whether what is drawn is added to what is there.
-    pub(super) additive: bool,
+    pub(super) blend: Blend,
     /// The channels that are written.
     pub(super) channels: wgpu::ColorWrites,
+}
+
+/// What becomes of what is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Blend {
+    /// What is drawn takes its place.
+    Replace,
+    /// What is drawn is added to it.
+    Add,
+    /// It is multiplied with what is drawn.
+    Multiply,
 }
 
 /// A pipeline and what it wants bound.
@@ -77,7 +88,7 @@ impl Pipeline {
             .collect();
         let targets = [state.color.map(|color| wgpu::ColorTargetState {
             format: color.format,
-            blend: color.additive.then_some(ADD),
+            blend: color.blend.state(),
             write_mask: color.channels,
         })];
         let pipeline = gpu
@@ -96,8 +107,8 @@ impl Pipeline {
                     cull_mode: state.cull,
                     ..Default::default()
                 },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: state.depth,
+                depth_stencil: state.depth.map(|format| wgpu::DepthStencilState {
+                    format,
                     depth_write_enabled: Some(state.write_depth),
                     depth_compare: Some(state.compare),
                     stencil: wgpu::StencilState::default(),
@@ -134,18 +145,25 @@ impl Pipeline {
     }
 }
 
-/// Adds what is drawn to what is there.
-const ADD: wgpu::BlendState = {
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    wgpu::BlendState {
-        color: add,
-        alpha: add,
+impl Blend {
+    fn state(self) -> Option<wgpu::BlendState> {
+        use wgpu::BlendFactor::{One, Src, Zero};
+        let (src_factor, dst_factor) = match self {
+            Self::Replace => return None,
+            Self::Add => (One, One),
+            Self::Multiply => (Zero, Src),
+        };
+        let all = wgpu::BlendComponent {
+            src_factor,
+            dst_factor,
+            operation: wgpu::BlendOperation::Add,
+        };
+        Some(wgpu::BlendState {
+            color: all,
+            alpha: all,
+        })
     }
-};
+}
 
 fn entry_point(permutation: &Permutation, stage: Stage) -> Option<&EntryPoint> {
     permutation

@@ -10,24 +10,25 @@ use umbrage_shadow::{
 
 use super::{
     Renderer,
+    air::LitAir,
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
-    pipelines::{ColorState, DrawState},
+    pipelines::{Blend, ColorState, DrawState},
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
 use crate::RenderError;
 
 impl Renderer {
-    /// Draws the shadow maps of a light for the objects at `receivers`.
+    /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
         view: &View,
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
-        receivers: &[usize],
+        (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
         let mut casting = Vec::new();
         let (mut caster_bounds, mut receiver_bounds) = (Vec::new(), Vec::new());
@@ -40,6 +41,7 @@ impl Renderer {
                 receiver_bounds.push(object.bounds);
             }
         }
+        receiver_bounds.extend(air.and_then(|air| air.shaded));
         let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
@@ -96,7 +98,7 @@ impl Renderer {
             vertices: Vertices::Shared,
             state: DrawState {
                 color: color.as_ref().map(|(state, _)| *state),
-                depth: desc.format,
+                depth: Some(desc.format),
                 compare: pass.depth_test.compare,
                 write_depth: true,
                 cull: pass.cull,
@@ -255,7 +257,7 @@ fn color_target(
     }
     let state = ColorState {
         format,
-        additive: false,
+        blend: Blend::Replace,
         channels: color.channels,
     };
     Ok((state, texture.create_view(&Default::default())))
