@@ -56,6 +56,9 @@ pub(crate) struct RenderArgs {
     /// How shadow terms come to where light is added: the picture is the same.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) path: Path,
+    /// Steps along each ray through the scene's medium, where it has one.
+    #[arg(long, value_name = "N", default_value_t = umbrage::render::RenderOptions::default().shaft_steps)]
+    pub(crate) shaft_steps: u32,
     /// The picture to write.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,

@@ -99,6 +99,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
             args::Path::Forward => render::Path::Forward,
             args::Path::Mask => render::Path::Mask,
         },
+        shaft_steps: args.shaft_steps,
         ..RenderOptions::default()
     }
 }

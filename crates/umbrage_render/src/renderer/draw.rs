@@ -20,10 +20,7 @@ use super::{
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
-use crate::{
-    PermutationUse, RenderError, Report,
-    scene::Material,
-};
+use crate::{PermutationUse, RenderError, Report, scene::Material};
 
 /// What is being rendered, and what has been found out on the way.
 pub(super) struct FrameState<'a> {

@@ -122,7 +122,7 @@ impl Default for RenderOptions {
             axes: BTreeMap::new(),
             settings: BTreeMap::new(),
             path: Path::Forward,
-            shaft_steps: 32,
+            shaft_steps: 64,
             timed: false,
         }
     }
