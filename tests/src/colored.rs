@@ -5,8 +5,8 @@ use umbrage::{
     compose::{Error, Package},
     methods::basic::Basic,
     shadow::{
-        ColorTarget, Frame, Light, Pass, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
-        TextureDesc,
+        Blend, ColorTarget, Frame, Light, Pass, PlanError, Setting, ShadowMethod, ShadowPlan,
+        Support, TextureDesc,
     },
 };
 use wgpu_types::{ColorWrites, TextureFormat};
@@ -39,9 +39,11 @@ impl ShadowMethod for Colored {
         plan.textures.extend(colors);
         for pass in &mut plan.passes {
             if let Pass::Casters(pass) = pass {
+                pass.shader = "caster_depth".to_owned();
                 pass.color = Some(ColorTarget {
                     texture: "color_map".to_owned(),
                     channels: ColorWrites::RED,
+                    blend: Blend::Replace,
                 });
             }
         }

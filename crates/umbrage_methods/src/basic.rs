@@ -37,20 +37,18 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3};
 use umbrage_shadow::{
-    Beam, CasterPass, Constants, DepthTest, Extent, Frame, Frustum, Lens, Light, LightKind, Pass,
-    PlanError, Rect, SamplerDesc, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
-    TextureShape, Value, Viewport,
+    Beam, Constants, Extent, Frame, Frustum, Lens, Light, LightKind, Pass, PlanError, Rect,
+    Setting, ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Value,
 };
-use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::job::{self, Boxes, NEAREST, PADDING};
+use crate::{
+    job::{self, Boxes, NEAREST, PADDING},
+    maps::{self, DEPTH, MAP, Map, Reading, Sheet},
+};
 
 /// The method `basic`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Basic;
-
-/// The binding of the map.
-const MAP: &str = "shadow_map";
 
 const SETTINGS: [Setting; 2] = [
     Setting {
@@ -81,7 +79,7 @@ impl ShadowMethod for Basic {
     }
 
     fn axes(&self) -> &[&str] {
-        &["pcf", "receiver_bias"]
+        &["depth", "filter", "pcf", "receiver_bias"]
     }
 
     fn supports(&self, _: &Light) -> Support {
@@ -115,14 +113,14 @@ struct Job {
     boxes: Boxes,
     resolution: u32,
     depth_bias: f64,
-    width: u32,
+    reading: Reading,
 }
 
 impl Job {
     fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
         job::check(frame, &SETTINGS)?;
         Ok(Self {
-            width: job::filter_width(frame)?,
+            reading: Reading::of(frame)?,
             boxes: Boxes::new(frame),
             resolution: frame.settings.get("resolution") as u32,
             depth_bias: frame.settings.get("depth_bias"),
@@ -137,7 +135,7 @@ impl Job {
             &self.boxes.receivers,
             &[&self.boxes.camera],
         ) else {
-            return self.unshadowed(TextureShape::D2);
+            return self.unshadowed();
         };
         let least = seen.precision;
         self.expand(&mut seen, least);
@@ -160,7 +158,7 @@ impl Job {
             &self.boxes.receivers,
             &[&self.boxes.camera, &cone],
         ) else {
-            return self.unshadowed(TextureShape::D2);
+            return self.unshadowed();
         };
         let least = seen.precision / seen.far;
         self.expand(&mut seen, least);
@@ -179,7 +177,7 @@ impl Job {
         let lenses = Lens::cube(position);
         let floor = NEAREST * range;
         let texel = 2.0 / f64::from(self.resolution);
-        let reached = Rect::square(1.0 + texel * job::margin(self.width));
+        let reached = Rect::square(1.0 + texel * job::margin(self.reading.width));
         let face = Rect::square(1.0);
         let seen = lenses.each_ref().map(|lens| {
             let volume = Frustum::from_matrix(lens.matrix(&reached, floor, range));
@@ -192,7 +190,9 @@ impl Job {
         });
         // All faces share one range of depths: a filter's taps cross from face to face.
         let Some(mut all) = seen.into_iter().flatten().reduce(Extent::union) else {
-            return self.unshadowed(TextureShape::Cube);
+            // Depth 1: nothing is nearer.
+            let constants = cube_constants(Vec3::ZERO, Vec2::ZERO, Vec2::X);
+            return self.cube(1, Vec::new(), constants);
         };
         let nearest_receiver = all.near;
         all.far *= 1.0 + PADDING;
@@ -212,25 +212,26 @@ impl Job {
             .enumerate()
             .filter(|(layer, _)| seen[*layer].is_some())
             .map(|(layer, (lens, beam))| {
-                self.pass(
-                    layer as u32,
-                    lens.matrix(&face, all.near, all.far),
-                    beam.casters,
-                )
+                let map = Map {
+                    tile: maps::whole(self.resolution),
+                    view_proj: lens.matrix(&face, all.near, all.far),
+                    casters: beam.casters,
+                    receivers: None,
+                };
+                let mut pass = maps::casters(&map, MAP);
+                if let Some(depth) = &mut pass.depth {
+                    depth.layer = layer as u32;
+                }
+                Pass::Casters(pass)
             });
-        self.plan(
-            TextureShape::Cube,
-            self.resolution,
-            passes.collect(),
-            constants,
-        )
+        self.cube(self.resolution, passes.collect(), constants)
     }
 
     /// Widens the map by its filter's margin, and until its texels are no finer than `least`.
     fn expand(&self, seen: &mut Extent, least: f64) {
         let resolution = f64::from(self.resolution);
         // A map hardly wider than its filter keeps half of itself for what it is to hold.
-        let margin = job::margin(self.width).min(0.25 * resolution);
+        let margin = job::margin(self.reading.width).min(0.25 * resolution);
         let size = seen.rect.size().max(DVec2::splat(least * resolution));
         seen.rect = seen
             .rect
@@ -264,99 +265,71 @@ impl Job {
         let world_to_map = texture * clip;
         let plane_to_map = world_to_map.inverse().transpose();
         let constants = map_constants(
-            world_to_map.as_mat4(),
-            plane_to_map.as_mat4(),
+            [world_to_map.as_mat4(), plane_to_map.as_mat4()],
             bias.as_vec2(),
             texel_depth.as_vec2(),
+            self.resolution,
         );
-        let passes = vec![self.pass(0, clip, casters)];
-        self.plan(TextureShape::D2, self.resolution, passes, constants)
+        let map = Map {
+            tile: maps::whole(self.resolution),
+            view_proj: clip,
+            casters,
+            receivers: None,
+        };
+        let sheet = Sheet {
+            size: [self.resolution; 2],
+            maps: vec![map],
+        };
+        self.sheet(&sheet, constants)
+    }
+
+    fn sheet(&self, sheet: &Sheet, constants: Constants) -> ShadowPlan {
+        let mut plan = ShadowPlan {
+            constants,
+            ..ShadowPlan::default()
+        };
+        self.reading.add(&mut plan, sheet);
+        plan
     }
 
     /// The plan where no receiver is seen: the least that the shader can read, and it reads light.
-    fn unshadowed(&self, shape: TextureShape) -> ShadowPlan {
-        let constants = match shape {
-            // w = 0: beside every map.
-            TextureShape::D2 => map_constants(Mat4::ZERO, Mat4::ZERO, Vec2::ZERO, Vec2::ZERO),
-            // Depth 1: nothing is nearer.
-            TextureShape::Cube => cube_constants(Vec3::ZERO, Vec2::ZERO, Vec2::X),
-        };
-        self.plan(shape, 1, Vec::new(), constants)
+    fn unshadowed(&self) -> ShadowPlan {
+        // w = 0: beside every map.
+        let constants = map_constants([Mat4::ZERO; 2], Vec2::ZERO, Vec2::ZERO, 1);
+        self.sheet(&Sheet::empty(), constants)
     }
 
-    /// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform
-    /// a mirror.
-    fn pass(&self, layer: u32, view_proj: DMat4, casters: Vec<usize>) -> Pass {
-        Pass::Casters(CasterPass {
-            target: MAP.to_owned(),
-            layer,
-            viewport: Viewport {
-                x: 0,
-                y: 0,
-                width: self.resolution,
-                height: self.resolution,
-            },
-            clear: Some(0.0),
-            depth_test: DepthTest {
-                compare: CompareFunction::GreaterEqual,
-                unclipped: false,
-            },
-            cull: None,
-            view_proj: view_proj.as_mat4(),
-            casters,
-            color: None,
-            receivers: None,
-        })
-    }
-
-    fn plan(
-        &self,
-        shape: TextureShape,
-        size: u32,
-        passes: Vec<Pass>,
-        constants: Constants,
-    ) -> ShadowPlan {
-        let format = TextureFormat::Depth32Float;
-        let map = TextureDesc {
-            name: MAP.to_owned(),
-            format,
-            width: size,
-            height: size,
-            shape,
-        };
-        let sampler = SamplerDesc {
-            name: "shadow_sampler".to_owned(),
-            filter: FilterMode::Linear,
-            compare: Some(CompareFunction::GreaterEqual),
-        };
-        let taps = match shape {
-            TextureShape::D2 => self.width.div_ceil(2),
-            TextureShape::Cube => self.width,
-        };
+    /// The plan of a cube of `size` texels a side.
+    fn cube(&self, size: u32, passes: Vec<Pass>, constants: Constants) -> ShadowPlan {
         ShadowPlan {
-            textures: vec![map],
-            samplers: vec![sampler],
+            textures: vec![TextureDesc {
+                shape: TextureShape::Cube,
+                ..maps::texture(MAP, DEPTH, [size; 2])
+            }],
+            samplers: vec![maps::comparison()],
             passes,
             constants,
-            fetches_per_pixel: taps * taps,
-            filter_radius: 0.5 * f64::from(self.width) + 0.5,
+            fetches_per_pixel: self.reading.width.pow(2),
+            filter_radius: 0.5 * f64::from(self.reading.width) + 0.5,
             ..ShadowPlan::default()
         }
     }
 }
 
-/// The members of `BasicShadow` for a rectangular map.
+/// The members of `BasicShadow` for a rectangular map, `side` texels along: world to map, planes to map.
 fn map_constants(
-    world_to_map: Mat4,
-    plane_to_map: Mat4,
+    [world_to_map, plane_to_map]: [Mat4; 2],
     bias: Vec2,
     texel_depth: Vec2,
+    side: u32,
 ) -> Constants {
     Constants::new()
         .with("world_to_map", Value::Mat4(world_to_map))
         .with("plane_to_map", Value::Mat4(plane_to_map))
         .with("bias", Value::Vec2(bias))
         .with("texel_depth", Value::Vec2(texel_depth))
+        .with("side", Value::F32(side as f32))
+        .with("texel", Value::F32(1.0 / side as f32))
 }
 
 /// The members of `BasicShadow` for a cube.

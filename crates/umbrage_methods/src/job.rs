@@ -63,6 +63,24 @@ pub(crate) fn axis<'a>(frame: &Frame<'a>, name: &str) -> &'a str {
     frame.axes.get(name).map_or("missing", String::as_str)
 }
 
+/// What the value of an axis stands for, among `known`.
+pub(crate) fn choice<T: Copy>(
+    frame: &Frame<'_>,
+    name: &str,
+    known: &[(&str, T)],
+) -> Result<T, PlanError> {
+    let value = axis(frame, name);
+    let found = known.iter().find(|(known, _)| *known == value);
+    found.map(|(_, found)| *found).ok_or_else(|| {
+        let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+        PlanError::Invalid {
+            what: format!("the axis `{name}`"),
+            value: value.to_owned(),
+            expected: names.join(", "),
+        }
+    })
+}
+
 /// The filter's width in texels: the axis `pcf`.
 pub(crate) fn filter_width(frame: &Frame<'_>) -> Result<u32, PlanError> {
     let pcf = axis(frame, "pcf");

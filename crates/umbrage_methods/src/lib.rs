@@ -7,6 +7,7 @@
 pub mod basic;
 pub mod basic_twin;
 mod job;
+mod maps;
 pub mod pssm;
 pub mod pssm_twin;
 mod twin_filter;

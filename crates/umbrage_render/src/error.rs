@@ -92,6 +92,22 @@ pub enum RenderError {
         /// Why.
         source: PlanError,
     },
+    /// A method needs what the device does not have.
+    #[error(
+        "light `{light}`, method `{method}`: what is chosen needs {features}, which {adapter} does not have; choose {instead}"
+    )]
+    Missing {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// The device.
+        adapter: String,
+        /// Names of features, as WebGPU has them.
+        features: String,
+        /// What to choose in its place.
+        instead: String,
+    },
     /// A method's plan asks for what cannot be done: the method is at fault.
     #[error(
         "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"

@@ -63,8 +63,11 @@ impl Gpu {
         let name = adapter.get_info().name;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("umbrage"),
-            // Beyond the baseline, and for measuring alone.
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            // Beyond the baseline, where there is more: only what measures, and what a plan may need.
+            required_features: adapter.features()
+                & (wgpu::Features::TIMESTAMP_QUERY
+                    | wgpu::Features::FLOAT32_BLENDABLE
+                    | wgpu::Features::FLOAT32_FILTERABLE),
             ..Default::default()
         };
         let (device, queue) =

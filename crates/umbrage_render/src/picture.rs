@@ -50,6 +50,8 @@ pub struct Report {
     pub draws: u32,
     /// Those of the passes that draw casters into shadow maps.
     pub caster_passes: u32,
+    /// Passes that compute something from shadow maps, full-screen ones and compute shaders.
+    pub derived_passes: u32,
     /// Those of the draw calls that are in caster passes.
     pub caster_draws: u32,
     /// Texels in the textures of shadow methods.
@@ -81,11 +83,12 @@ pub struct Report {
 /// How long a pass took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
-    /// What it drew: `casters`, or the value of the axis `pass` that the camera's pass has, such as
-    /// `illumination`.
+    /// What it drew: `casters`, or the value of the axis `pass` that it has, such as `illumination`.
     pub pass: String,
     /// The light for which it drew, where it did so for one.
     pub light: Option<String>,
+    /// Whether it is a pass of the light's plan: it makes what the shadow term is read from.
+    pub planned: bool,
     /// Between the pass's beginning and its end; milliseconds of the device's clock.
     pub milliseconds: f64,
 }

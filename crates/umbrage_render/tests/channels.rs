@@ -5,10 +5,10 @@ mod common;
 use common::probe::{number, probing, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    CasterPass, ColorTarget, Constants, Contents, DepthTest, Frame, Pass, ShadowPlan, Value,
-    Viewport,
+    Blend, CasterPass, ColorTarget, Constants, Contents, DepthTarget, Frame, Pass, ShadowPlan,
+    Value, Viewport,
 };
-use wgpu::{ColorWrites, CompareFunction, TextureFormat};
+use wgpu::{ColorWrites, TextureFormat};
 
 /// Texels along the maps.
 const SIZE: u32 = 8;
@@ -42,22 +42,18 @@ fn channels(frame: &Frame<'_>) -> ShadowPlan {
         let half = if channel == 3 { SIZE / 2 } else { 0 };
         let depth = 0.1 * (channel + 1) as f32;
         Pass::Casters(CasterPass {
-            target: "depth_map".to_owned(),
+            shader: "caster_depth".to_owned(),
+            depth: Some(DepthTarget::nearest("depth_map")),
             color: Some(ColorTarget {
                 texture: "color_map".to_owned(),
                 channels: ColorWrites::from_bits_truncate(1 << channel),
+                blend: Blend::Replace,
             }),
-            layer: 0,
             viewport: Viewport {
                 x: half,
                 y: 0,
                 width: SIZE - half,
                 height: SIZE,
-            },
-            clear: Some(0.0),
-            depth_test: DepthTest {
-                compare: CompareFunction::GreaterEqual,
-                unclipped: false,
             },
             cull: None,
             // The wall fills a tenth of the map, scaled ten times: all of it.
@@ -111,7 +107,7 @@ fn colour_targets_that_do_not_fit_are_named() {
         ),
         (
             |plan| color(plan).texture = "depth_map".to_owned(),
-            "depth as a colour into `depth_map`, which is not one rectangle of floats",
+            "a colour into `depth_map`, which is not one rectangle of floats",
         ),
         (
             |plan| plan.textures[0].format = TextureFormat::Rgba32Uint,
@@ -119,7 +115,7 @@ fn colour_targets_that_do_not_fit_are_named() {
         ),
         (
             |plan| plan.textures[0].width = 4,
-            "depth as a colour into the 4 by 8 texels of `color_map` and into the 8 by 8 of `depth_map`",
+            "a colour into the 4 by 8 texels of `color_map` and depth into the 8 by 8 of `depth_map`",
         ),
         (
             |plan| color(plan).channels = ColorWrites::empty(),

@@ -7,7 +7,7 @@ use glam::DVec3;
 use umbrage_compose::Source;
 use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
 use umbrage_shadow::{
-    CasterPass, Constants, DepthTest, Frame, Light, Pass, PlanError, Registry, Setting,
+    CasterPass, Constants, DepthTarget, Frame, Light, Pass, PlanError, Registry, Setting,
     ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
 };
 
@@ -340,18 +340,13 @@ impl ShadowMethod for Faulty {
                 shape: TextureShape::D2,
             }],
             passes: vec![Pass::Casters(CasterPass {
-                target: "shadow_map".to_owned(),
-                layer: 0,
+                shader: "caster".to_owned(),
+                depth: Some(DepthTarget::nearest("shadow_map")),
                 viewport: Viewport {
                     x: 0,
                     y: 0,
                     width: 64,
                     height: 64,
-                },
-                clear: Some(0.0),
-                depth_test: DepthTest {
-                    compare: wgpu::CompareFunction::GreaterEqual,
-                    unclipped: false,
                 },
                 cull: None,
                 view_proj: glam::Mat4::IDENTITY,
@@ -374,6 +369,10 @@ fn pass(plan: &mut ShadowPlan) -> &mut CasterPass {
     pass
 }
 
+fn depth(plan: &mut ShadowPlan) -> &mut DepthTarget {
+    pass(plan).depth.as_mut().expect("it draws depth")
+}
+
 #[test]
 fn faulty_methods_are_named() {
     let scene = two_balls();
@@ -391,10 +390,10 @@ fn faulty_methods_are_named() {
     };
     let cases: [(Fault, &str); 9] = [
         (
-            |plan| pass(plan).target = "map".to_owned(),
+            |plan| depth(plan).texture = "map".to_owned(),
             "the target `map`",
         ),
-        (|plan| pass(plan).layer = 1, "layer 1 of `shadow_map`"),
+        (|plan| depth(plan).layer = 1, "layer 1 of `shadow_map`"),
         (
             |plan| pass(plan).viewport.x = 1,
             "outside the 64 by 64 texels",
@@ -407,10 +406,7 @@ fn faulty_methods_are_named() {
             |plan| pass(plan).casters = vec![3],
             "a caster that there is not",
         ),
-        (
-            |plan| pass(plan).depth_test.unclipped = true,
-            "flattened onto the near plane",
-        ),
+        (|plan| pass(plan).depth = None, "casters into no texture"),
         (
             |plan| pass(plan).view_proj.x_axis.x = f32::NAN,
             "not finite",
@@ -428,7 +424,7 @@ fn faulty_methods_are_named() {
     // The plan is sound, but says nothing of the constants and the sampler that its shader reads.
     let message = refuse(|_| (), 0);
     assert!(
-        message.contains("`shadow_sampler` of umbrage::methods::basic"),
+        message.contains("`shadow_sampler` of umbrage::methods::nearest"),
         "{message}"
     );
     let message = refuse(|_| (), 1);

@@ -89,18 +89,13 @@
 //!                 compare: Some(CompareFunction::GreaterEqual),
 //!             }],
 //!             passes: vec![Pass::Casters(CasterPass {
-//!                 target: "whole_map".into(),
-//!                 layer: 0,
+//!                 shader: "caster".into(),
+//!                 depth: Some(DepthTarget::nearest("whole_map")),
+//!                 color: None,
 //!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
-//!                 clear: Some(0.0),
-//!                 depth_test: DepthTest {
-//!                     compare: CompareFunction::GreaterEqual,
-//!                     unclipped: false,
-//!                 },
 //!                 cull: None,
 //!                 view_proj,
 //!                 casters: (0..frame.casters.casters.len()).collect(),
-//!                 color: None,
 //!                 receivers: None,
 //!             })],
 //!             constants: Constants::new().with("view_proj", Value::Mat4(view_proj)),
@@ -126,8 +121,7 @@
 //! shadow pages as fine as the pixels that read them. On paper:
 //!
 //! 1. Each pixel finds its page (s, t and level), neighbours drop what they share, and the list is
-//!    compacted, sorted and made unique: compute passes over the view's depth. `Pass` (non-exhaustive)
-//!    gains `Compute`, which names a shader module, its grid, and textures and buffers of the plan.
+//!    compacted, sorted and made unique: [`ComputePass`]es over the view's depth, which gain buffers to write.
 //! 2. The list goes to the CPU: a compute pass names a buffer to read back, and `Frame` gains a
 //!    feedback field that holds what came back from an earlier plan, of a frame or more ago. `plan`
 //!    stays pure: what it learns arrives as an argument. (The paper waits for the list in the same
@@ -166,8 +160,8 @@ pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
 pub use plan::{
-    BufferDesc, CasterPass, ColorTarget, Contents, DepthTest, Pass, SamplerDesc, ShadowPlan,
-    TextureDesc, TextureShape, Viewport,
+    Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, Need, Pass,
+    Reads, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

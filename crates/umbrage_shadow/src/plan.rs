@@ -1,7 +1,7 @@
 //! What a method wants drawn this frame, as plain data.
 
 use glam::Mat4;
-use wgpu_types::{ColorWrites, CompareFunction, Face, FilterMode, TextureFormat};
+use wgpu_types::{ColorWrites, CompareFunction, Face, Features, FilterMode, TextureFormat};
 
 use crate::{Constants, Value};
 
@@ -19,8 +19,10 @@ pub struct ShadowPlan {
     pub buffers: Vec<BufferDesc>,
     /// What to draw, in order.
     pub passes: Vec<Pass>,
-    /// The members of the uniform block that `calc_shadow` reads.
+    /// The members of the uniform blocks that `calc_shadow` reads.
     pub constants: Constants,
+    /// What it takes beyond WebGPU's baseline.
+    pub needs: Vec<Need>,
     /// Texture fetches that `calc_shadow` makes at the most for a pixel: the method's own promise,
     /// for a report to check.
     pub fetches_per_pixel: u32,
@@ -104,25 +106,52 @@ pub struct BufferDesc {
 pub enum Pass {
     /// Casters into a texture.
     Casters(CasterPass),
+    /// One triangle around a part of a texture: what can be computed for each texel by itself.
+    Screen(ScreenPass),
+    /// A compute shader: where texels share their work.
+    Compute(ComputePass),
 }
 
-/// Casters drawn into a viewport of a texture.
+impl Pass {
+    /// What shader it runs: a value of the shader library's axis `pass`.
+    pub fn shader(&self) -> &str {
+        match self {
+            Self::Casters(pass) => &pass.shader,
+            Self::Screen(pass) => &pass.shader,
+            Self::Compute(pass) => &pass.shader,
+        }
+    }
+
+    /// The names of the textures that it writes.
+    pub fn writes(&self) -> impl Iterator<Item = &str> {
+        let (two, many): ([Option<&String>; 2], &[String]) = match self {
+            Self::Casters(pass) => {
+                let depth = pass.depth.as_ref().map(|depth| &depth.texture);
+                let color = pass.color.as_ref().map(|color| &color.texture);
+                ([depth, color], &[])
+            }
+            Self::Screen(pass) => ([Some(&pass.target), None], &[]),
+            Self::Compute(pass) => ([None, None], &pass.writes),
+        };
+        two.into_iter()
+            .flatten()
+            .chain(many)
+            .map(|name| name.as_str())
+    }
+}
+
+/// Casters drawn into a viewport of a depth texture, of a colour texture, or of both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasterPass {
-    /// The name of the depth texture.
-    pub target: String,
-    /// A colour texture that depth is written into as well: for shaders that read depth in channels of
-    /// their own choice. `target` then only finds which caster is nearest, and no shader need read it.
+    /// How each caster is drawn: a value of the shader library's axis `pass`, such as `caster`, which draws
+    /// depth alone, or `caster_depth`, which writes depth as a colour as well.
+    pub shader: String,
+    /// Where depth goes; none where nothing is compared with what is there.
+    pub depth: Option<DepthTarget>,
+    /// Where colours go.
     pub color: Option<ColorTarget>,
-    /// The texture's layer; of a cube, its face.
-    pub layer: u32,
-    /// Where in the layer.
+    /// Where in the textures.
     pub viewport: Viewport,
-    /// The depth that the layer is cleared to first; none keeps what it holds.
-    pub clear: Option<f32>,
-    /// How depths are compared. Reversed depth (1 near, 0 far) is cleared to 0 and keeps what is
-    /// `GreaterEqual`.
-    pub depth_test: DepthTest,
     /// Which faces are left out. A cube's faces are mirrored: there, front and back change places.
     pub cull: Option<Face>,
     /// World (camera-relative) to clip space.
@@ -135,26 +164,103 @@ pub struct CasterPass {
     pub receivers: Option<[f64; 2]>,
 }
 
-/// Where a pass writes depth as a colour: window depth (reversed, 0..1), as the depth texture holds it.
-///
-/// The plan's first pass into a texture clears all of its channels to 0, the farthest, whatever
-/// [`CasterPass::clear`] says of the depth: later passes fill further channels, or further viewports.
+/// Where a pass's depth goes, and what of old and new depth is kept.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ColorTarget {
-    /// The name of a texture of one rectangle, as large as the pass's depth texture, in a format of
-    /// floats.
+pub struct DepthTarget {
+    /// The name of a texture of depth alone.
     pub texture: String,
-    /// The channels to write. Each gets the same depth; the others keep what they hold.
-    pub channels: ColorWrites,
+    /// The texture's layer; of a cube, its face.
+    pub layer: u32,
+    /// The depth that the layer is cleared to first; none keeps what it holds.
+    pub clear: Option<f32>,
+    /// How depths are compared. Reversed depth (1 near, 0 far) is cleared to 0 and keeps what is
+    /// `GreaterEqual`.
+    pub compare: CompareFunction,
 }
 
-/// How a pass compares depths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DepthTest {
-    /// What passes.
-    pub compare: CompareFunction,
-    /// Whether what lies before the near plane is flattened onto it rather than cut away.
-    pub unclipped: bool,
+impl DepthTarget {
+    /// Layer 0 of `texture`, cleared, of which the nearest is kept.
+    pub fn nearest(texture: impl Into<String>) -> Self {
+        Self {
+            texture: texture.into(),
+            layer: 0,
+            clear: Some(0.0),
+            compare: CompareFunction::GreaterEqual,
+        }
+    }
+}
+
+/// Where a pass's colours go.
+///
+/// The plan's first pass into a texture clears all of its channels to 0, the farthest in reversed depth,
+/// whatever [`DepthTarget::clear`] says of the depth: later passes fill further channels, or further viewports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorTarget {
+    /// The name of a texture of one rectangle, as large as the pass's depth texture where it has one,
+    /// in a format of floats.
+    pub texture: String,
+    /// The channels to write; the others keep what they hold.
+    pub channels: ColorWrites,
+    /// What is kept.
+    pub blend: Blend,
+}
+
+/// What of an old and a new colour is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Blend {
+    /// The new one.
+    #[default]
+    Replace,
+    /// In each channel the larger one: of reversed depth, the nearest. A texture of 32 bits a channel asks for the
+    /// feature `float32-blendable`: say so in [`ShadowPlan::needs`].
+    Max,
+}
+
+/// One triangle around a part of a texture, whose fragments read the plan's other textures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScreenPass {
+    /// What is computed: a value of the shader library's axis `pass`.
+    pub shader: String,
+    /// The name of the texture to fill, of one rectangle. One of depth takes what the shader gives as its
+    /// fragment's depth. The plan's first pass into it clears it to 0.
+    pub target: String,
+    /// Where in it.
+    pub viewport: Viewport,
+    /// What the shader reads.
+    pub reads: Reads,
+}
+
+/// A compute shader that reads some of the plan's textures and writes others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComputePass {
+    /// What is computed: a value of the shader library's axis `pass`.
+    pub shader: String,
+    /// Workgroups across, down and deep.
+    pub workgroups: [u32; 3],
+    /// The names of the textures that it writes: of one rectangle, in a format that WebGPU's baseline can store to.
+    pub writes: Vec<String>,
+    /// What the shader reads.
+    pub reads: Reads,
+}
+
+/// What the shader of a pass reads beside the plan's textures, samplers and buffers, which have the names of
+/// the bindings that read them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reads {
+    /// Bindings that go by another name than the texture that they read or write: binding, texture. So that one
+    /// shader may work from a first texture into a second, and then from there into a third.
+    pub renamed: Vec<(String, String)>,
+    /// The members of the pass's own uniform blocks.
+    pub constants: Constants,
+}
+
+/// What a plan asks of the device beyond WebGPU's baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Need {
+    /// The features.
+    pub features: Features,
+    /// What to choose where the device does not have them: the end of the sentence "…; choose".
+    pub instead: String,
 }
 
 /// A rectangle of texels.

@@ -110,7 +110,7 @@ pub struct Row {
     /// The errors.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Time of the caster passes on the device, milliseconds; no numbers where it has no timestamps.
+    /// Time of the passes that make shadow maps on the device, milliseconds; no numbers where it has no timestamps.
     pub casters_ms: Spread,
     /// Time of the shading on the device, milliseconds; no numbers where it has no timestamps.
     pub shading_ms: Spread,
@@ -125,7 +125,7 @@ pub struct Row {
     pub memory_bytes: u64,
     /// Texels in them.
     pub texels: u64,
-    /// Passes that draw casters.
+    /// Passes that make shadow maps.
     pub passes: u32,
     /// Draw calls in them.
     pub draws: u32,

@@ -220,7 +220,7 @@ impl Run<'_> {
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,
             texels: report.texels,
-            passes: report.caster_passes,
+            passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
             fetches_per_pixel,
             isa: self.isa(&shaded)?,

@@ -1,7 +1,7 @@
 //! How long pictures take: configurations side by side, round after round, so that what else the machine
 //! does falls on all of them alike.
 
-use umbrage_render::{RenderError, Rendered};
+use umbrage_render::{PassTime, RenderError, Rendered};
 
 use super::{Config, Lab, Progress, lab::Subject};
 use crate::report::Spread;
@@ -19,7 +19,7 @@ pub(super) fn baseline() -> Config {
 /// What the rounds of one configuration took, milliseconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
-    /// The passes that draw casters, and the passes that shade; empty where the adapter has no timestamps.
+    /// The passes that make shadow maps and what is computed from them, and the passes that shade; empty where the adapter has no timestamps.
     casters: Vec<f64>,
     shading: Vec<f64>,
     /// From the first command to the last pixel, as the clock on the wall has it.
@@ -68,14 +68,15 @@ impl Times {
         if report.times.is_empty() {
             return;
         }
-        let sum = |wanted: &dyn Fn(&str) -> bool| {
-            let passes = report.times.iter().filter(|time| wanted(&time.pass));
+        let sum = |wanted: &dyn Fn(&PassTime) -> bool| {
+            let passes = report.times.iter().filter(|time| wanted(time));
             passes.map(|time| time.milliseconds).sum::<f64>()
         };
-        self.casters.push(sum(&|pass| pass == "casters"));
+        self.casters.push(sum(&|pass| pass.planned));
         // The base pass is no light's; what only masks need is the masks'.
         let shades = |pass: &str| matches!(pass, "illumination" | "linear_depth" | "mask");
-        self.shading.push(sum(&shades));
+        self.shading
+            .push(sum(&|pass| !pass.planned && shades(&pass.pass)));
     }
 
     /// These times beside those of the baseline.

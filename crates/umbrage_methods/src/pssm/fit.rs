@@ -6,7 +6,10 @@ use umbrage_shadow::{
 };
 
 use super::Lookup;
-use crate::job::{self, Boxes, NEAREST, PADDING};
+use crate::{
+    job::{self, Boxes, NEAREST, PADDING},
+    maps::Reading,
+};
 
 /// A frame's numbers, checked.
 pub(super) struct Job {
@@ -19,7 +22,7 @@ pub(super) struct Job {
     pub tile: u32,
     depth_bias: f64,
     pub band: f64,
-    pub width: u32,
+    pub reading: Reading,
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
@@ -61,24 +64,13 @@ impl Job {
         job::check(frame, settings)?;
         let setting = |name| frame.settings.get(name);
         let distance = setting("shadow_distance");
-        let fit = job::axis(frame, "fit");
-        PlanError::check(
-            ["stable", "tight"].contains(&fit),
-            "the axis `fit`",
-            fit,
-            "stable or tight",
-        )?;
-        let transition = match job::axis(frame, "transition") {
-            "hard" => Some(Transition::Hard),
-            "blend" => Some(Transition::Blend),
-            "dither" => Some(Transition::Dither),
-            _ => None,
-        };
-        let transition = transition.ok_or_else(|| PlanError::Invalid {
-            what: "the axis `transition`".to_owned(),
-            value: job::axis(frame, "transition").to_owned(),
-            expected: "hard, blend or dither".to_owned(),
-        })?;
+        let fits = [("stable", true), ("tight", false)];
+        let transitions = [
+            ("hard", Transition::Hard),
+            ("blend", Transition::Blend),
+            ("dither", Transition::Dither),
+        ];
+        let reading = Reading::of(frame)?;
         Ok(Self {
             boxes: Boxes::new(frame),
             view: frame.view.clone(),
@@ -88,10 +80,10 @@ impl Job {
             tile: setting("resolution") as u32,
             depth_bias: setting("depth_bias"),
             band: setting("band"),
-            width: job::filter_width(frame)?,
-            lookup: Lookup::of(frame, setting("splits") as usize)?,
-            transition,
-            stable: fit == "stable",
+            lookup: Lookup::of(frame, setting("splits") as usize, reading)?,
+            reading,
+            transition: job::choice(frame, "transition", &transitions)?,
+            stable: job::choice(frame, "fit", &fits)?,
         })
     }
 
@@ -233,7 +225,7 @@ impl Job {
     fn around(&self, rect: &Rect, least: f64) -> Rect {
         let tile = f64::from(self.tile);
         let size = rect.size().max(DVec2::splat(least * tile));
-        rect.resized(size * tile / (tile - 2.0 * job::margin(self.width)))
+        rect.resized(size * tile / (tile - 2.0 * job::margin(self.reading.width)))
     }
 
     /// The square on the world's grid of texels around all that the camera may see between two view depths,
@@ -260,7 +252,7 @@ impl Job {
     /// The texel of a map that holds `size`, its filter's margin, and a texel to snap to; no finer than
     /// `least` rounded up to a power of two.
     fn stable_texel(&self, size: f64, least: f64) -> f64 {
-        let inner = f64::from(self.tile) - 2.0 * job::margin(self.width) - 1.0;
+        let inner = f64::from(self.tile) - 2.0 * job::margin(self.reading.width) - 1.0;
         (size / inner).max(least.log2().ceil().exp2())
     }
 

@@ -2,16 +2,16 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
-    Atlas, BufferDesc, CasterPass, ColorTarget, Constants, Contents, DepthTest, Frame, MAX_SPLITS,
-    Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
+    Atlas, Blend, BufferDesc, ColorTarget, Constants, Contents, Frame, MAX_SPLITS, Pass, PlanError,
+    ShadowPlan, Value, Viewport,
 };
-use wgpu_types::{ColorWrites, CompareFunction, FilterMode, TextureFormat};
+use wgpu_types::{ColorWrites, TextureFormat};
 
 use super::fit::{Job, Split, Splits, Transition};
-use crate::job;
-
-/// The binding of the atlas, or of the texture with a channel for each split.
-const MAP: &str = "shadow_map";
+use crate::{
+    job,
+    maps::{self, DEPTH, MAP, Map, Reading, Sheet, casters, texture},
+};
 
 /// The bindings of a map for each split.
 const MAPS: [&str; FEW] = [
@@ -47,17 +47,14 @@ impl Lookup {
         ("weights", Self::Weights),
     ];
 
-    /// That of a frame, if it holds as many splits as are asked for.
-    pub(super) fn of(frame: &Frame<'_>, splits: usize) -> Result<Self, PlanError> {
+    /// That of a frame, if it holds as many splits as are asked for, and reads them as is asked for.
+    pub(super) fn of(
+        frame: &Frame<'_>,
+        splits: usize,
+        reading: Reading,
+    ) -> Result<Self, PlanError> {
+        let lookup = job::choice(frame, "lookup", &Self::ALL)?;
         let name = job::axis(frame, "lookup");
-        let known = Self::ALL.iter().find(|(known, _)| *known == name);
-        let Some((_, lookup)) = known else {
-            return Err(PlanError::Invalid {
-                what: "the axis `lookup`".to_owned(),
-                value: name.to_owned(),
-                expected: Self::ALL.map(|(known, _)| known).join(", "),
-            });
-        };
         let most = lookup.most_splits();
         PlanError::check(
             splits <= most,
@@ -67,23 +64,27 @@ impl Lookup {
                 "{most} at the most with the lookup `{name}`; `packed`, `storage` and `matrix_texture` hold {MAX_SPLITS}"
             ),
         )?;
-        Ok(*lookup)
+        PlanError::check(
+            lookup.has_tiles() || reading.is_plain(),
+            "the axis `lookup`",
+            name,
+            "masks, matrix_texture, packed or storage where `depth` is not `nearest` or `filter` is not `pcf`",
+        )?;
+        Ok(lookup)
+    }
+
+    /// Whether all maps are tiles of one texture.
+    fn has_tiles(self) -> bool {
+        match self {
+            Self::Branches | Self::Channels | Self::Weights => false,
+            Self::Masks | Self::MatrixTexture | Self::Packed | Self::Storage => true,
+        }
     }
 
     fn most_splits(self) -> usize {
         match self {
             Self::Branches | Self::Channels | Self::Masks | Self::Weights => FEW,
             Self::MatrixTexture | Self::Packed | Self::Storage => MAX_SPLITS,
-        }
-    }
-
-    /// Fetches of one lookup with `taps` fetches across its filter, which is `width` texels wide.
-    fn fetches(self, taps: u32, width: u32) -> u32 {
-        match self {
-            Self::Branches | Self::Masks | Self::Packed | Self::Storage => taps * taps,
-            Self::MatrixTexture => taps * taps + MATRIX_ROWS,
-            Self::Weights => FEW as u32 * taps * taps,
-            Self::Channels => (width + 1) * (width + 1),
         }
     }
 }
@@ -93,24 +94,12 @@ const MATRIX_ROWS: u32 = 5;
 
 /// The plan of a frame's splits.
 pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> {
-    let sampler = SamplerDesc {
-        name: "shadow_sampler".to_owned(),
-        filter: FilterMode::Linear,
-        compare: Some(CompareFunction::GreaterEqual),
-    };
-    let lookups = match job.transition {
-        Transition::Blend => 2,
-        Transition::Hard | Transition::Dither => 1,
-    };
-    let fetches = job.lookup.fetches(job.width.div_ceil(2), job.width);
     let mut plan = ShadowPlan {
-        samplers: vec![sampler],
-        fetches_per_pixel: lookups * fetches,
-        filter_radius: 0.5 * f64::from(job.width) + 0.5,
+        filter_radius: 0.5 * f64::from(job.reading.width) + 0.5,
         shadow_distance: job.shadow_distance,
         ..ShadowPlan::default()
     };
-    let mut sheet = Sheet {
+    let mut sheet = Tiles {
         columns: 1,
         size: [job.tile; 2],
     };
@@ -130,12 +119,16 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         }
         _ => {}
     }
+    plan.fetches_per_pixel *= match job.transition {
+        Transition::Blend => 2,
+        Transition::Hard | Transition::Dither => 1,
+    };
     plan.constants = constants(job, splits, &sheet);
     Ok(plan)
 }
 
-/// How maps lie in a texture.
-struct Sheet {
+/// How tiles lie in a texture.
+struct Tiles {
     /// Tiles in a row.
     columns: u32,
     /// Texels across and down.
@@ -143,42 +136,48 @@ struct Sheet {
 }
 
 /// All maps in one atlas.
-fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Sheet, PlanError> {
+fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Tiles, PlanError> {
     let count = splits.splits.len() as u32;
-    if count == 0 {
-        // The least that the shader can bind, and it reads none of it.
-        let (columns, size) = (1, [1, 1]);
-        plan.textures.push(texture(MAP, DEPTH, size));
-        return Ok(Sheet { columns, size });
-    }
-    let atlas = Atlas::new(count, job.tile, job::margin(job.width).ceil() as u32)?;
-    plan.textures.push(texture(MAP, DEPTH, atlas.size()));
-    for (number, split) in (0..).zip(&splits.splits) {
-        let mut pass = pass(split, MAP, atlas.tile(number));
-        // The whole texture is cleared once.
-        pass.clear = (number == 0).then_some(0.0);
-        plan.passes.push(Pass::Casters(pass));
-    }
-    Ok(Sheet {
-        columns: atlas.columns(),
-        size: atlas.size(),
+    let (columns, sheet) = if count == 0 {
+        (1, Sheet::empty())
+    } else {
+        let margin = job::margin(job.reading.width).ceil() as u32;
+        let atlas = Atlas::new(count, job.tile, margin)?;
+        let maps = (0..).zip(&splits.splits);
+        let sheet = Sheet {
+            size: atlas.size(),
+            maps: maps.map(|(i, split)| map(split, atlas.tile(i))).collect(),
+        };
+        (atlas.columns(), sheet)
+    };
+    job.reading.add(plan, &sheet);
+    Ok(Tiles {
+        columns,
+        size: sheet.size,
     })
 }
 
 /// A map for each split; the least that the shader can bind in the place of those that are not there.
 fn maps(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
+    plan.samplers.push(maps::comparison());
+    let all = if job.lookup == Lookup::Weights {
+        FEW as u32
+    } else {
+        1
+    };
+    plan.fetches_per_pixel = all * job.reading.width.div_ceil(2).pow(2);
     for (i, name) in MAPS.into_iter().enumerate() {
         let split = splits.splits.get(i);
         let size = if split.is_some() { job.tile } else { 1 };
         plan.textures.push(texture(name, DEPTH, [size, size]));
         if let Some(split) = split {
-            let pass = pass(split, name, whole(job));
-            plan.passes.push(Pass::Casters(pass));
+            let map = map(split, maps::whole(job.tile));
+            plan.passes.push(Pass::Casters(casters(&map, name)));
         }
     }
 }
 
-/// A channel of one texture for each split.
+/// A channel of one texture for each split, compared by hand.
 fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
     const CHANNELS: [ColorWrites; FEW] = [
         ColorWrites::RED,
@@ -187,6 +186,7 @@ fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
         ColorWrites::ALPHA,
     ];
     const NEAREST: &str = "shadow_depth";
+    plan.fetches_per_pixel = (job.reading.width + 1).pow(2);
     let side = if splits.splits.is_empty() {
         1
     } else {
@@ -195,61 +195,30 @@ fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
     let format = TextureFormat::Rgba32Float;
     plan.textures.push(texture(MAP, format, [side, side]));
     plan.textures.push(texture(NEAREST, DEPTH, [side, side]));
-    // Compared by hand.
-    plan.samplers.clear();
     for (split, channels) in splits.splits.iter().zip(CHANNELS) {
-        let mut pass = pass(split, NEAREST, whole(job));
+        let mut pass = casters(&map(split, maps::whole(job.tile)), NEAREST);
+        pass.shader = "caster_depth".to_owned();
         pass.color = Some(ColorTarget {
             texture: MAP.to_owned(),
             channels,
+            blend: Blend::Replace,
         });
         plan.passes.push(Pass::Casters(pass));
     }
 }
 
-const DEPTH: TextureFormat = TextureFormat::Depth32Float;
-
-fn texture(name: &str, format: TextureFormat, [width, height]: [u32; 2]) -> TextureDesc {
-    TextureDesc {
-        name: name.to_owned(),
-        format,
-        width,
-        height,
-        shape: TextureShape::D2,
-    }
-}
-
-fn whole(job: &Job) -> Viewport {
-    Viewport {
-        x: 0,
-        y: 0,
-        width: job.tile,
-        height: job.tile,
-    }
-}
-
-/// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform
-/// a mirror.
-fn pass(split: &Split, target: &str, viewport: Viewport) -> CasterPass {
-    CasterPass {
-        target: target.to_owned(),
-        color: None,
-        layer: 0,
-        viewport,
-        clear: Some(0.0),
-        depth_test: DepthTest {
-            compare: CompareFunction::GreaterEqual,
-            unclipped: false,
-        },
-        cull: None,
-        view_proj: split.view_proj.as_mat4(),
+/// A split's map at `tile`.
+fn map(split: &Split, tile: Viewport) -> Map {
+    Map {
+        tile,
+        view_proj: split.view_proj,
         casters: split.casters.clone(),
         receivers: Some(split.depths),
     }
 }
 
 /// The members of `PssmShadow`, for any lookup and transition.
-fn constants(job: &Job, splits: &Splits, sheet: &Sheet) -> Constants {
+fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
     let columns = sheet.columns as f32;
     let texel = Vec2::from_array(sheet.size.map(|texels| 1.0 / texels as f32));
     let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
@@ -364,4 +333,5 @@ fn matrix_texture(plan: &mut ShadowPlan, splits: &Splits) {
     });
     plan.textures
         .push(texture(NAME, TextureFormat::Rgba32Float, size));
+    plan.fetches_per_pixel += MATRIX_ROWS;
 }

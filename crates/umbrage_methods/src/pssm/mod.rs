@@ -136,7 +136,15 @@ impl ShadowMethod for Pssm {
     }
 
     fn axes(&self) -> &[&str] {
-        &["fit", "lookup", "pcf", "receiver_bias", "transition"]
+        &[
+            "depth",
+            "filter",
+            "fit",
+            "lookup",
+            "pcf",
+            "receiver_bias",
+            "transition",
+        ]
     }
 
     fn supports(&self, light: &Light) -> Support {

@@ -15,6 +15,8 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
     let axes = BTreeMap::from([
         ("pcf".to_owned(), scene.width.to_string()),
         ("receiver_bias".to_owned(), "plane".to_owned()),
+        ("depth".to_owned(), "nearest".to_owned()),
+        ("filter".to_owned(), "pcf".to_owned()),
     ]);
     Basic.plan(&Frame {
         view: &scene.view,

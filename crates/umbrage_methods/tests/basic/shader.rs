@@ -59,7 +59,11 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
         let passes = &passes;
         move |layer: u32, x: u32, y: u32| {
             // A layer without a pass is empty.
-            let Some(pass) = passes.iter().find(|pass| pass.layer == layer) else {
+            let Some(pass) = passes.iter().find(|pass| {
+                pass.depth
+                    .as_ref()
+                    .is_some_and(|depth| depth.layer == layer)
+            }) else {
                 return 0.0;
             };
             let pass = &pass.view_proj.as_dmat4();

@@ -19,6 +19,8 @@ pub(crate) struct Scene {
 impl Scene {
     pub(crate) fn new(kind: LightKind) -> Self {
         let axes = [
+            ("depth", "nearest"),
+            ("filter", "pcf"),
             ("fit", "stable"),
             ("lookup", "packed"),
             ("pcf", "3"),

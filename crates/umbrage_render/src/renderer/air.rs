@@ -9,7 +9,7 @@ use super::{
     camera::Lamp,
     draw::{FrameState, PassInputs, record},
     lights::LightSetup,
-    pipelines::{Blend, ColorState, DrawState},
+    pipelines::{ADD, ColorState, DrawState, MULTIPLY},
     resources::unfiltered,
     target::Target,
 };
@@ -19,7 +19,7 @@ use crate::{RenderError, scene::Medium};
 pub(super) const SEEN_DEPTH: &str = "seen_depth";
 
 /// Passes that draw no object are drawn for its sake.
-const AIR: &str = "the air";
+pub(super) const AIR: &str = "the air";
 
 /// The air that a light reaches, where it is seen and scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,10 +88,10 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let extinction = shot.scene.medium.map_or(0.0, |air| air.extinction());
         if extinction > 0.0 {
-            self.draw_air(frame, shot, target, ("haze", Blend::Multiply), None)?;
+            self.draw_air(frame, shot, target, ("haze", Some(MULTIPLY)), None)?;
         }
         for lamp in lamps {
-            self.draw_air(frame, shot, target, ("shafts", Blend::Add), Some(lamp))?;
+            self.draw_air(frame, shot, target, ("shafts", Some(ADD)), Some(lamp))?;
         }
         Ok(())
     }
@@ -104,7 +104,7 @@ impl Renderer {
         target: &Target,
         lamp: &Lamp<'_>,
     ) -> Result<(), RenderError> {
-        let pass = ("shaft_fetches", Blend::Replace);
+        let pass = ("shaft_fetches", None);
         self.draw_air(frame, shot, target, pass, Some(lamp))
     }
 
@@ -114,7 +114,7 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
         target: &Target,
-        (pass, blend): (&str, Blend),
+        (pass, blend): (&str, Option<wgpu::BlendState>),
         lamp: Option<&Lamp<'_>>,
     ) -> Result<(), RenderError> {
         let light = lamp.map(Lamp::reads);
@@ -132,12 +132,8 @@ impl Renderer {
                     blend,
                     channels: wgpu::ColorWrites::ALL,
                 }),
-                depth: None,
-                compare: wgpu::CompareFunction::Always,
-                write_depth: false,
-                cull: None,
-                front: wgpu::FrontFace::Ccw,
                 unfiltered: unfiltered(shadow),
+                ..DrawState::NOTHING
             },
         };
         frame.seen_depth = Some(target.depth.clone());

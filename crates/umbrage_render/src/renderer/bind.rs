@@ -11,7 +11,7 @@ use super::{
     assets,
     draw::{FrameState, PassInputs},
     masks::SEEN_PLANES,
-    pipelines::Pipeline,
+    pipelines::Program,
 };
 use crate::{
     RenderError, pack, pack_buffer,
@@ -19,17 +19,35 @@ use crate::{
 };
 
 impl Renderer {
+    /// What a program reads that draws no object, group by group.
+    pub(super) fn bind_all(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        program: &Program,
+    ) -> Result<Vec<Option<wgpu::BindGroup>>, RenderError> {
+        let groups = program.groups.iter().enumerate();
+        groups
+            .map(|(group, layout)| match layout {
+                Some(layout) => self
+                    .bind(frame, inputs, program, (group, layout), None)
+                    .map(Some),
+                None => Ok(None),
+            })
+            .collect()
+    }
+
     pub(super) fn bind(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        pipeline: &Pipeline,
+        program: &Program,
         (group, layout): (usize, &wgpu::BindGroupLayout),
         object: Option<&Object>,
     ) -> Result<wgpu::BindGroup, RenderError> {
         let mut resources = Vec::new();
-        for binding in pipeline.bindings(group) {
-            let key = &pipeline.permutation.key;
+        for binding in program.bindings(group) {
+            let key = &program.permutation.key;
             let resource = match group {
                 LIGHT => self.light_resource(frame, inputs, key, binding)?,
                 MATERIAL => self.material_resource(object, key, binding)?,

@@ -11,7 +11,7 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, record},
     lights::{self, LightSetup},
-    pipelines::{Blend, ColorState, DrawState},
+    pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target},
 };
@@ -53,12 +53,7 @@ impl Renderer {
         };
         let base = PassInputs {
             ambient: shot.scene.ambient,
-            ..inputs(
-                shot,
-                "base",
-                None,
-                camera_state(format, Blend::Replace, None),
-            )
+            ..inputs(shot, "base", None, camera_state(format, false, None))
         };
         let commands = self.prepare(frame, &base, &shot.visible)?;
         self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
@@ -73,7 +68,7 @@ impl Renderer {
                 let to = (&target, false);
                 let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
                 let reads = masked(lamp.reads(), mask.as_ref());
-                let state = camera_state(format, Blend::Add, reads.shadow);
+                let state = camera_state(format, true, reads.shadow);
                 let inputs = inputs(shot, "illumination", Some(reads), state);
                 let commands = self.prepare(frame, &inputs, &lit)?;
                 self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
@@ -128,7 +123,7 @@ impl Renderer {
                 None
             };
             let reads = masked(reads, mask.as_ref());
-            let state = camera_state(format, Blend::Replace, reads.shadow);
+            let state = camera_state(format, false, reads.shadow);
             let mut commands =
                 self.prepare(frame, &inputs(shot, pass, Some(reads), state), &lit)?;
             // What the light does not reach hides what lies behind it, is shaded by nothing, and is drawn
@@ -139,7 +134,7 @@ impl Renderer {
                 .copied()
                 .filter(|s| lit.binary_search(s).is_err())
                 .collect();
-            let state = camera_state(format, Blend::Replace, None);
+            let state = camera_state(format, false, None);
             commands.extend(self.prepare(frame, &inputs(shot, pass, None, state), &unlit)?);
             let name = Some(light.source.name.as_str());
             self.draw(frame, &target, (pass, name), Some(clear), &commands);
@@ -157,7 +152,7 @@ impl Renderer {
         let format = wgpu::TextureFormat::R32Float;
         let target = self.target(frame, format)?;
         // What is seen, in no light: its depth is all that is read.
-        let state = camera_state(format, Blend::Replace, None);
+        let state = camera_state(format, false, None);
         let seen = inputs(shot, "shadow_term", None, state);
         let commands = self.prepare(frame, &seen, &shot.visible)?;
         self.draw(
@@ -193,12 +188,7 @@ impl Renderer {
         let target = self.target(frame, format)?;
         let inputs = PassInputs {
             vertices: Vertices::Own,
-            ..inputs(
-                shot,
-                "triangle",
-                None,
-                camera_state(format, Blend::Replace, None),
-            )
+            ..inputs(shot, "triangle", None, camera_state(format, false, None))
         };
         let clear = wgpu::Color {
             r: NOTHING.into(),
@@ -334,18 +324,18 @@ fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<u
 /// pass that adds light meets the depth that the base pass left, computed alike.
 fn camera_state(
     format: wgpu::TextureFormat,
-    blend: Blend,
+    additive: bool,
     shadow: Option<&ShadowResources>,
 ) -> DrawState {
     DrawState {
         color: Some(ColorState {
             format,
-            blend,
+            blend: additive.then_some(ADD),
             channels: wgpu::ColorWrites::ALL,
         }),
         depth: Some(DEPTH),
         compare: wgpu::CompareFunction::GreaterEqual,
-        write_depth: blend == Blend::Replace,
+        write_depth: !additive,
         cull: None,
         front: wgpu::FrontFace::Ccw,
         unfiltered: if shadow.is_some() {

@@ -16,7 +16,7 @@ use super::{
     bind::MATERIAL,
     lights::{self, LightSetup},
     objects::{Objects, Run},
-    pipelines::{DrawState, Pipeline},
+    pipelines::{DrawState, Pipeline, reads_facing},
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
@@ -150,19 +150,23 @@ impl Renderer {
             let permutation = self.compose(frame, inputs, &object.name, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
-            for group in 0..pipeline.groups.len() {
+            for group in 0..pipeline.program.groups.len() {
                 let id = Arc::as_ptr(&pipeline);
                 let material = Arc::as_ptr(&object.material);
                 let known = match group {
                     MATERIAL => materials.get(&(id, material)),
                     _ => shared.get(&(id, group)),
                 };
-                let bound = match (known, &pipeline.groups[group]) {
+                let bound = match (known, &pipeline.program.groups[group]) {
                     (Some(bound), _) => Some(bound.clone()),
                     (None, None) => None,
-                    (None, Some(layout)) => {
-                        Some(self.bind(frame, inputs, &pipeline, (group, layout), Some(object))?)
-                    }
+                    (None, Some(layout)) => Some(self.bind(
+                        frame,
+                        inputs,
+                        &pipeline.program,
+                        (group, layout),
+                        Some(object),
+                    )?),
                 };
                 if let Some(bound) = &bound {
                     match group {
@@ -194,13 +198,7 @@ impl Renderer {
         // The shader is no object's: the material has no say.
         let permutation = self.compose(frame, inputs, cause, None)?;
         let pipeline = self.pipeline(permutation, &inputs.state, false)?;
-        let mut groups = Vec::new();
-        for (group, layout) in pipeline.groups.iter().enumerate() {
-            groups.push(match layout {
-                Some(layout) => Some(self.bind(frame, inputs, &pipeline, (group, layout), None)?),
-                None => None,
-            });
-        }
+        let groups = self.bind_all(frame, inputs, &pipeline.program)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
@@ -210,9 +208,9 @@ impl Renderer {
         })
     }
 
-    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's, composed on
-    /// first need.
-    fn compose(
+    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's,
+    /// composed on first need.
+    pub(super) fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
@@ -248,8 +246,8 @@ impl Renderer {
         mirrored: bool,
     ) -> Result<Arc<Pipeline>, RenderError> {
         let mut state = state.clone();
-        // Without culling no side is the front: one pipeline serves both.
-        if mirrored && state.cull.is_some() {
+        // Where it makes no difference which side is the front, one pipeline serves both.
+        if mirrored && (state.cull.is_some() || reads_facing(&permutation)) {
             state.front = wgpu::FrontFace::Cw;
         }
         let id = (permutation.key.clone(), state);

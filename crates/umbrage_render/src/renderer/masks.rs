@@ -9,7 +9,7 @@ use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
     draw::{FrameState, LightInputs, PassInputs, record},
-    pipelines::{Blend, ColorState, DrawState},
+    pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     target::{DEPTH, Target, begin},
 };
@@ -171,10 +171,8 @@ impl Renderer {
         frame.report.passes += 1;
         let mask = (TERM, masks.mask.clone());
         Ok(ShadowResources {
-            constants: Constants::new(),
             textures: BTreeMap::from([(MASK.to_owned(), mask)]),
-            samplers: BTreeMap::new(),
-            buffers: BTreeMap::new(),
+            ..ShadowResources::default()
         })
     }
 }
@@ -184,7 +182,7 @@ fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawSta
     DrawState {
         color: Some(ColorState {
             format,
-            blend: Blend::Replace,
+            blend: None,
             channels: wgpu::ColorWrites::ALL,
         }),
         depth: Some(DEPTH),

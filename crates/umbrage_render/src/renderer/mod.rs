@@ -4,6 +4,7 @@ mod air;
 mod assets;
 mod bind;
 mod camera;
+mod derived;
 mod draw;
 mod lights;
 mod masks;
@@ -15,7 +16,7 @@ mod target;
 mod timer;
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     sync::Arc,
     time::Instant,
 };
@@ -29,7 +30,7 @@ use self::{
     draw::FrameState,
     lights::LightSetup,
     objects::Objects,
-    pipelines::{DrawState, Pipeline},
+    pipelines::{Computation, DrawState, Pipeline},
     resources::TextureId,
     timer::Timer,
 };
@@ -45,6 +46,7 @@ pub struct Renderer {
     registry: Registry,
     assets: Assets,
     pipelines: HashMap<(Key, DrawState), Arc<Pipeline>>,
+    computations: HashMap<(Key, BTreeSet<String>), Arc<Computation>>,
     shadow_maps: BTreeMap<TextureId, (TextureDesc, wgpu::Texture)>,
     white: Arc<Image>,
 }
@@ -147,6 +149,7 @@ impl Renderer {
             registry,
             assets: Assets::default(),
             pipelines: HashMap::new(),
+            computations: HashMap::new(),
             shadow_maps: BTreeMap::new(),
             white: Arc::new(Image::white()),
         }
@@ -183,6 +186,7 @@ impl Renderer {
             // What was made along with the error may be broken.
             self.assets = Assets::default();
             self.pipelines.clear();
+            self.computations.clear();
             self.shadow_maps.clear();
         }
         let mut rendered = done??;
@@ -322,6 +326,11 @@ mod tests {
         let gpu = Arc::new(Gpu::new().expect("an adapter"));
         let mut renderer = Renderer::new(gpu, composer, methods);
         let mut scene = Scene::load(folder.join("scenes/leaves.ron")).expect("a sound scene");
+        scene.medium = Some(crate::Medium {
+            scattering: 0.1,
+            absorption: 0.0,
+            anisotropy: 0.0,
+        });
         for what in [
             What::Shaded,
             What::ShadowTerm,

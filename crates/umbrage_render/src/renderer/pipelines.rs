@@ -12,7 +12,6 @@ use crate::{Gpu, RenderError};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct DrawState {
     pub(super) color: Option<ColorState>,
-    /// None where there is no depth to test.
     pub(super) depth: Option<wgpu::TextureFormat>,
     pub(super) compare: wgpu::CompareFunction,
     pub(super) write_depth: bool,
@@ -22,32 +21,110 @@ pub(super) struct DrawState {
     pub(super) unfiltered: BTreeSet<String>,
 }
 
+impl DrawState {
+    /// That of a pass without targets.
+    pub(super) const NOTHING: Self = Self {
+        color: None,
+        depth: None,
+        compare: wgpu::CompareFunction::Always,
+        write_depth: false,
+        cull: None,
+        front: wgpu::FrontFace::Ccw,
+        unfiltered: BTreeSet::new(),
+    };
+}
+
 /// How a pass writes colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ColorState {
     pub(super) format: wgpu::TextureFormat,
-    pub(super) blend: Blend,
+    /// How what is drawn meets what is there; without it, it takes its place.
+    pub(super) blend: Option<wgpu::BlendState>,
     /// The channels that are written.
     pub(super) channels: wgpu::ColorWrites,
 }
 
-/// What becomes of what is there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Blend {
-    /// What is drawn takes its place.
-    Replace,
-    /// What is drawn is added to it.
-    Add,
-    /// It is multiplied with what is drawn.
-    Multiply,
-}
-
-/// A pipeline and what it wants bound.
-pub(super) struct Pipeline {
+/// A shader and what it wants bound.
+pub(super) struct Program {
     pub(super) permutation: Arc<Permutation>,
-    pub(super) pipeline: wgpu::RenderPipeline,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
     /// By group; none where the shader reads nothing of it.
     pub(super) groups: Vec<Option<wgpu::BindGroupLayout>>,
+}
+
+impl Program {
+    /// That of `permutation`, in which `unfiltered` names textures and samplers of the pass's and the light's
+    /// group that are not to be filtered.
+    fn new(
+        gpu: &Gpu,
+        permutation: Arc<Permutation>,
+        unfiltered: &BTreeSet<String>,
+    ) -> Result<Self, RenderError> {
+        let label = permutation.key.to_string();
+        let module = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&label),
+                source: wgpu::ShaderSource::Naga(Cow::Owned(permutation.module.clone())),
+            });
+        let groups = group_layouts(gpu, &permutation, unfiltered)?;
+        let layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(&label),
+                bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
+                immediate_size: 0,
+            });
+        Ok(Self {
+            permutation,
+            module,
+            layout,
+            groups,
+        })
+    }
+
+    /// The bindings of one group.
+    pub(super) fn bindings(&self, group: usize) -> impl Iterator<Item = &Binding> {
+        let bindings = &self.permutation.reflection.bindings;
+        bindings
+            .iter()
+            .filter(move |binding| binding.group as usize == group)
+    }
+}
+
+/// A compute pipeline.
+pub(super) struct Computation {
+    pub(super) program: Program,
+    pub(super) pipeline: wgpu::ComputePipeline,
+}
+
+impl Computation {
+    pub(super) fn new(
+        gpu: &Gpu,
+        permutation: Arc<Permutation>,
+        unfiltered: &BTreeSet<String>,
+    ) -> Result<Self, RenderError> {
+        let program = Program::new(gpu, permutation, unfiltered)?;
+        let entry = entry_point(&program.permutation, Stage::Compute);
+        let pipeline = gpu
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&program.permutation.key.to_string()),
+                layout: Some(&program.layout),
+                module: &program.module,
+                entry_point: entry.map(|entry| entry.name.as_str()),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+        Ok(Self { program, pipeline })
+    }
+}
+
+/// A render pipeline.
+pub(super) struct Pipeline {
+    pub(super) program: Program,
+    pub(super) pipeline: wgpu::RenderPipeline,
     /// The attribute in each vertex buffer's place.
     pub(super) attributes: Vec<u32>,
 }
@@ -58,22 +135,9 @@ impl Pipeline {
         permutation: Arc<Permutation>,
         state: &DrawState,
     ) -> Result<Self, RenderError> {
-        let label = permutation.key.to_string();
-        let module = gpu
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(&label),
-                source: wgpu::ShaderSource::Naga(Cow::Owned(permutation.module.clone())),
-            });
-        let groups = group_layouts(gpu, &permutation, state)?;
-        let layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(&label),
-                bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
-                immediate_size: 0,
-            });
-        let entry = |stage| entry_point(&permutation, stage);
+        let program = Program::new(gpu, permutation, &state.unfiltered)?;
+        let module = &program.module;
+        let entry = |stage| entry_point(&program.permutation, stage);
         let vertex = entry(Stage::Vertex);
         let attributes = attributes(vertex);
         let buffers: Vec<_> = attributes
@@ -88,16 +152,16 @@ impl Pipeline {
             .collect();
         let targets = [state.color.map(|color| wgpu::ColorTargetState {
             format: color.format,
-            blend: color.blend.state(),
+            blend: color.blend,
             write_mask: color.channels,
         })];
         let pipeline = gpu
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(&label),
-                layout: Some(&layout),
+                label: Some(&program.permutation.key.to_string()),
+                layout: Some(&program.layout),
                 vertex: wgpu::VertexState {
-                    module: &module,
+                    module,
                     entry_point: vertex.map(|entry| entry.name.as_str()),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: &buffers,
@@ -116,7 +180,7 @@ impl Pipeline {
                 }),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: entry(Stage::Fragment).map(|entry| wgpu::FragmentState {
-                    module: &module,
+                    module,
                     entry_point: Some(&entry.name),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: if state.color.is_some() { &targets } else { &[] },
@@ -129,40 +193,58 @@ impl Pipeline {
             .map(|attribute| attribute.shader_location)
             .collect();
         Ok(Self {
-            permutation,
+            program,
             pipeline,
-            groups,
             attributes,
         })
     }
+}
 
-    /// The bindings of one group.
-    pub(super) fn bindings(&self, group: usize) -> impl Iterator<Item = &Binding> {
-        let bindings = &self.permutation.reflection.bindings;
-        bindings
-            .iter()
-            .filter(move |binding| binding.group as usize == group)
+/// Adds what is drawn to what is there.
+pub(super) const ADD: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Add);
+
+/// Keeps the larger one, channel by channel.
+pub(super) const MAX: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Max);
+
+/// Multiplies what is there with what is drawn.
+pub(super) const MULTIPLY: wgpu::BlendState = blend(
+    [wgpu::BlendFactor::Zero, wgpu::BlendFactor::Src],
+    wgpu::BlendOperation::Add,
+);
+
+/// With `Max`, WebGPU allows no other factors.
+const ONES: [wgpu::BlendFactor; 2] = [wgpu::BlendFactor::One; 2];
+
+const fn blend(
+    [src_factor, dst_factor]: [wgpu::BlendFactor; 2],
+    operation: wgpu::BlendOperation,
+) -> wgpu::BlendState {
+    let component = wgpu::BlendComponent {
+        src_factor,
+        dst_factor,
+        operation,
+    };
+    wgpu::BlendState {
+        color: component,
+        alpha: component,
     }
 }
 
-impl Blend {
-    fn state(self) -> Option<wgpu::BlendState> {
-        use wgpu::BlendFactor::{One, Src, Zero};
-        let (src_factor, dst_factor) = match self {
-            Self::Replace => return None,
-            Self::Add => (One, One),
-            Self::Multiply => (Zero, Src),
-        };
-        let all = wgpu::BlendComponent {
-            src_factor,
-            dst_factor,
-            operation: wgpu::BlendOperation::Add,
-        };
-        Some(wgpu::BlendState {
-            color: all,
-            alpha: all,
+/// Whether a fragment asks which side of its triangle is seen.
+pub(super) fn reads_facing(permutation: &Permutation) -> bool {
+    let facing = Some(wgpu::naga::Binding::BuiltIn(
+        wgpu::naga::BuiltIn::FrontFacing,
+    ));
+    let module = &permutation.module;
+    let entries = module.entry_points.iter();
+    entries
+        .flat_map(|entry| &entry.function.arguments)
+        .any(|argument| match &module.types[argument.ty].inner {
+            wgpu::naga::TypeInner::Struct { members, .. } => {
+                members.iter().any(|member| member.binding == facing)
+            }
+            _ => argument.binding == facing,
         })
-    }
 }
 
 fn entry_point(permutation: &Permutation, stage: Stage) -> Option<&EntryPoint> {
@@ -197,7 +279,7 @@ fn attributes(vertex: Option<&EntryPoint>) -> Vec<wgpu::VertexAttribute> {
 fn group_layouts(
     gpu: &Gpu,
     permutation: &Permutation,
-    state: &DrawState,
+    unfiltered: &BTreeSet<String>,
 ) -> Result<Vec<Option<wgpu::BindGroupLayout>>, RenderError> {
     let bindings = &permutation.reflection.bindings;
     let count = bindings
@@ -217,9 +299,9 @@ fn group_layouts(
     for group in 0..count {
         let mut entries = Vec::new();
         for binding in bindings.iter().filter(|binding| binding.group == group) {
-            let unfiltered = group <= 1 && state.unfiltered.contains(&binding.name);
+            let unfiltered = group <= 1 && unfiltered.contains(&binding.name);
             let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
-                let problem = "a render pass has no such resource to give";
+                let problem = "no pass has such a resource to give";
                 RenderError::binding(&permutation.key, binding, problem)
             })?;
             entries.push(wgpu::BindGroupLayoutEntry {
@@ -275,14 +357,7 @@ fn binding_type(kind: &BindingKind, unfiltered: bool) -> Option<wgpu::BindingTyp
                 TextureSample::Sint => wgpu::TextureSampleType::Sint,
                 TextureSample::Uint => wgpu::TextureSampleType::Uint,
             },
-            view_dimension: match dimension {
-                TextureDimension::D1 => wgpu::TextureViewDimension::D1,
-                TextureDimension::D2 => wgpu::TextureViewDimension::D2,
-                TextureDimension::D2Array => wgpu::TextureViewDimension::D2Array,
-                TextureDimension::Cube => wgpu::TextureViewDimension::Cube,
-                TextureDimension::CubeArray => wgpu::TextureViewDimension::CubeArray,
-                TextureDimension::D3 => wgpu::TextureViewDimension::D3,
-            },
+            view_dimension: view_dimension(*dimension),
             multisampled: *multisampled,
         },
         BindingKind::Sampler { comparison: true } => {
@@ -294,11 +369,43 @@ fn binding_type(kind: &BindingKind, unfiltered: bool) -> Option<wgpu::BindingTyp
         BindingKind::Sampler { comparison: false } => {
             wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
         }
+        BindingKind::StorageTexture {
+            dimension,
+            format,
+            read: false,
+            ..
+        } => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: storage_format(format)?,
+            view_dimension: view_dimension(*dimension),
+        },
         BindingKind::Storage {
             read_only: false, ..
         }
-        | BindingKind::StorageTexture { .. } => {
-            return None;
-        }
+        | BindingKind::StorageTexture { read: true, .. } => return None,
     })
+}
+
+fn view_dimension(dimension: TextureDimension) -> wgpu::TextureViewDimension {
+    match dimension {
+        TextureDimension::D1 => wgpu::TextureViewDimension::D1,
+        TextureDimension::D2 => wgpu::TextureViewDimension::D2,
+        TextureDimension::D2Array => wgpu::TextureViewDimension::D2Array,
+        TextureDimension::Cube => wgpu::TextureViewDimension::Cube,
+        TextureDimension::CubeArray => wgpu::TextureViewDimension::CubeArray,
+        TextureDimension::D3 => wgpu::TextureViewDimension::D3,
+    }
+}
+
+/// The formats of floats that WebGPU's baseline can store to.
+pub(super) const STORED: [wgpu::TextureFormat; 3] = [
+    wgpu::TextureFormat::R32Float,
+    wgpu::TextureFormat::Rgba16Float,
+    wgpu::TextureFormat::Rgba32Float,
+];
+
+/// A format to store to, by naga's name, which is wgpu's.
+fn storage_format(name: &str) -> Option<wgpu::TextureFormat> {
+    let mut formats = STORED.into_iter();
+    formats.find(|format| format!("{format:?}") == name)
 }

@@ -3,24 +3,42 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbrage_shadow::{
-    Constants, Contents, Pass, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+    Constants, Contents, Pass, Reads, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
 };
 
 use super::{
     Renderer,
     draw::FrameState,
     lights::{LightSetup, MethodSetup},
+    pipelines::STORED,
     shadows::bad_plan,
 };
 use crate::RenderError;
 
-/// What `calc_shadow` reads.
+/// What `calc_shadow` reads, or a pass of its plan.
+#[derive(Clone, Default)]
 pub(super) struct ShadowResources {
     pub(super) constants: Constants,
     pub(super) textures: BTreeMap<String, (wgpu::TextureFormat, wgpu::TextureView)>,
     pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
     /// Not on the device yet: each shader may lay them out in its own way.
     pub(super) buffers: BTreeMap<String, Value>,
+    /// Whether textures of 32 bits a channel may be filtered, beyond the baseline.
+    pub(super) filters_all_floats: bool,
+}
+
+impl ShadowResources {
+    /// What a pass of the plan reads, under the names that it has for them.
+    pub(super) fn given_to(&self, reads: &Reads) -> Self {
+        let mut given = self.clone();
+        given.constants = reads.constants.clone();
+        for (binding, texture) in &reads.renamed {
+            if let Some(found) = self.textures.get(texture) {
+                given.textures.insert(binding.clone(), found.clone());
+            }
+        }
+        given
+    }
 }
 
 /// A texture kept from frame to frame: which, by the light's number, the method and the name.
@@ -46,9 +64,17 @@ impl Renderer {
             let contents = contents(setup, plan, desc)?;
             let filled = match contents {
                 Some(_) => Usage::COPY_DST,
-                None => Usage::RENDER_ATTACHMENT,
+                None => written(plan, &desc.name),
             };
             let usage = Usage::TEXTURE_BINDING | filled;
+            let stored = STORED.contains(&desc.format) && desc.shape == TextureShape::D2;
+            if usage.contains(Usage::STORAGE_BINDING) && !stored {
+                let problem = format!(
+                    "the texture `{}` is written by a compute shader, but is not one rectangle in a format to store to ({:?})",
+                    desc.name, desc.format
+                );
+                return Err(bad_plan(setup, &problem));
+            }
             let id = (light.index, method.to_owned(), desc.name.clone());
             frame.shadow_maps.insert(id.clone());
             let known = self.shadow_maps.get(&id);
@@ -78,21 +104,24 @@ impl Renderer {
         Ok(textures)
     }
 
-    /// What the shader reads of an executed plan.
+    /// What shaders read of a plan, its constants apart.
     pub(super) fn resources(
         &self,
         frame: &mut FrameState<'_>,
         plan: &ShadowPlan,
-        textures: Textures,
+        textures: &Textures,
     ) -> ShadowResources {
-        let mut resources = ShadowResources {
-            constants: plan.constants.clone(),
-            textures: BTreeMap::new(),
-            samplers: BTreeMap::new(),
-            buffers: BTreeMap::new(),
+        let needs = |features| {
+            plan.needs
+                .iter()
+                .any(|need| need.features.contains(features))
         };
-        for (desc, texture) in textures.into_values() {
-            let size = size(&desc);
+        let mut resources = ShadowResources {
+            filters_all_floats: needs(wgpu::Features::FLOAT32_FILTERABLE),
+            ..ShadowResources::default()
+        };
+        for (desc, texture) in textures.values() {
+            let size = size(desc);
             let layer = u64::from(size.width) * u64::from(size.height);
             frame.report.texels += layer * u64::from(size.depth_or_array_layers);
             frame.report.shadow_bytes += desc.format.theoretical_memory_footprint(size);
@@ -103,7 +132,9 @@ impl Renderer {
                 }),
                 ..Default::default()
             });
-            resources.textures.insert(desc.name, (desc.format, view));
+            resources
+                .textures
+                .insert(desc.name.clone(), (desc.format, view));
         }
         for desc in &plan.samplers {
             let sampler = self.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -145,6 +176,23 @@ fn size(desc: &TextureDesc) -> wgpu::Extent3d {
     }
 }
 
+/// How the plan's passes write a texture.
+fn written(plan: &ShadowPlan, name: &str) -> wgpu::TextureUsages {
+    use wgpu::TextureUsages as Usage;
+    let writers = plan
+        .passes
+        .iter()
+        .filter(|pass| pass.writes().any(|written| written == name));
+    let usages = writers.map(|pass| match pass {
+        Pass::Compute(_) => Usage::STORAGE_BINDING,
+        _ => Usage::RENDER_ATTACHMENT,
+    });
+    // What no pass writes is cleared by the first that reads it, which asks for this.
+    usages
+        .reduce(|all, usage| all | usage)
+        .unwrap_or(Usage::RENDER_ATTACHMENT)
+}
+
 /// None for what cannot be filled texel by texel: blocks, and depth.
 fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
     let format = desc.format;
@@ -165,13 +213,8 @@ fn contents<'a>(
         return Ok(None);
     };
     let given = contents.bytes.len() as u64;
-    let drawn = plan.passes.iter().any(|pass| match pass {
-        Pass::Casters(pass) => {
-            let colored = pass.color.as_ref().is_some_and(|c| c.texture == *name);
-            colored || pass.target == *name
-        }
-        _ => false,
-    });
+    let mut written = plan.passes.iter().flat_map(Pass::writes);
+    let drawn = written.any(|written| written == name);
     let problem = if all.next().is_some() {
         format!("contents for `{name}` twice")
     } else if drawn {
@@ -195,8 +238,8 @@ fn contents<'a>(
     Err(bad_plan(setup, &problem))
 }
 
-/// The names in a light's group that must not be filtered: textures of formats that no device must
-/// be able to filter, and samplers that do not ask to.
+/// The names in a light's group that must not be filtered: textures of formats that not every device can
+/// filter, where the plan does not ask for one that can, and samplers that do not ask to.
 pub(super) fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
     use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
     let Some(shadow) = shadow else {
@@ -206,6 +249,7 @@ pub(super) fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
         .textures
         .iter()
         .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
+        .filter(|_| !shadow.filters_all_floats)
         .map(|(name, _)| name);
     let samplers = shadow
         .samplers

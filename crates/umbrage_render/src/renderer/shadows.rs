@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 use umbrage_shadow::{
-    Aabb, CasterPass, Casters, ColorTarget, Frame, Pass, ShadowPlan, TextureDesc, TextureShape,
-    View,
+    Aabb, Blend, CasterPass, Casters, ColorTarget, DepthTarget, Frame, Pass, ShadowPlan,
+    TextureDesc, TextureShape, View, Viewport,
 };
 
 use super::{
     Renderer,
-    air::LitAir,
+    air::{AIR, LitAir},
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
-    pipelines::{Blend, ColorState, DrawState},
+    pipelines::{ColorState, DrawState, MAX},
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
@@ -43,107 +43,157 @@ impl Renderer {
         }
         receiver_bounds.extend(air.and_then(|air| air.shaded));
         let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
+        self.check_needs(light, setup, &plan)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
-        // A pass may fill one channel of many: only the first one clears them all.
-        let mut colored = BTreeSet::new();
+        let mut resources = self.resources(frame, &plan, &textures);
+        let receiver = frame
+            .objects
+            .iter()
+            .find_map(|(slot, object)| receivers.contains(&slot).then_some(object));
+        let mut job = Job {
+            light,
+            setup,
+            textures: &textures,
+            cause: receiver.map_or(AIR, |object| &object.name),
+            filled: BTreeSet::new(),
+        };
         for pass in &plan.passes {
             match pass {
                 Pass::Casters(pass) => {
                     let slots = slots(setup, pass, &casting)?;
-                    let color = pass.color.as_ref().map(|color| color.texture.as_str());
-                    let clear = color.is_some_and(|texture| colored.insert(texture));
-                    let drawn = (pass, clear);
-                    self.draw_casters(frame, (light, setup), drawn, &textures, &slots)?;
+                    self.draw_casters(frame, &mut job, pass, &slots)?;
+                }
+                Pass::Screen(pass) => {
+                    self.draw_screen(frame, &mut job, pass, view.position, &mut resources)?;
+                }
+                Pass::Compute(pass) => {
+                    self.compute_maps(frame, &job, pass, view.position, &mut resources)?;
                 }
                 _ => return Err(bad_plan(setup, "a pass of a kind that is not known here")),
             }
         }
-        let resources = self.resources(frame, &plan, textures);
+        resources.constants = plan.constants.clone();
         frame.report.plans.resize(light.index, None);
         frame.report.plans.push(Some(plan));
         Ok(resources)
     }
 
-    fn draw_casters(
+    /// Whether the device has what the plan needs.
+    fn check_needs(
+        &self,
+        light: &LightSetup<'_>,
+        setup: &MethodSetup<'_>,
+        plan: &ShadowPlan,
+    ) -> Result<(), RenderError> {
+        let there = self.gpu.device.features();
+        match plan
+            .needs
+            .iter()
+            .find(|need| !there.contains(need.features))
+        {
+            None => Ok(()),
+            Some(need) => {
+                let missing = (need.features - there).iter_names();
+                let missing: Vec<_> = missing
+                    .map(|(name, _)| name.to_lowercase().replace('_', "-"))
+                    .collect();
+                Err(RenderError::Missing {
+                    light: light.source.name.clone(),
+                    method: setup.method.name().to_owned(),
+                    adapter: self.gpu.adapter().to_owned(),
+                    features: missing.join(", "),
+                    instead: need.instead.clone(),
+                })
+            }
+        }
+    }
+
+    fn draw_casters<'a>(
         &mut self,
         frame: &mut FrameState<'_>,
-        (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
-        (pass, clear_color): (&CasterPass, bool),
-        textures: &Textures,
+        job: &mut Job<'a>,
+        pass: &'a CasterPass,
         slots: &[usize],
     ) -> Result<(), RenderError> {
-        let Some((desc, texture)) = textures.get(&pass.target) else {
-            let problem = format!(
-                "the target `{}`, which is none of its textures",
-                pass.target
-            );
-            return Err(bad_plan(setup, &problem));
+        let setup = job.setup;
+        check_casters(setup, pass)?;
+        let depth = match &pass.depth {
+            Some(target) => Some((target, depth_target(setup, target, &pass.viewport, job)?)),
+            None => None,
         };
-        check_target(setup, pass, desc)?;
         let color = match &pass.color {
-            Some(color) => Some(color_target(setup, color, desc, textures)?),
+            Some(target) => {
+                let size = depth.as_ref().map(|(_, (desc, _))| *desc);
+                Some((
+                    color_target(setup, target, size, &pass.viewport, job.textures)?,
+                    job.filled.insert(&target.texture),
+                ))
+            }
             None => None,
         };
         let inputs = PassInputs {
-            pass: if color.is_some() {
-                "caster_depth"
-            } else {
-                "caster"
-            },
-            cause: Some(&light.source.name),
+            pass: &pass.shader,
+            cause: Some(&job.light.source.name),
             view_proj: pass.view_proj,
             ambient: Vec3::ZERO,
             light: None,
             vertices: Vertices::Shared,
             state: DrawState {
-                color: color.as_ref().map(|(state, _)| *state),
-                depth: Some(desc.format),
-                compare: pass.depth_test.compare,
-                write_depth: true,
+                color: color.as_ref().map(|((state, _), _)| *state),
+                depth: depth.as_ref().map(|(_, (desc, _))| desc.format),
+                compare: pass
+                    .depth
+                    .as_ref()
+                    .map_or(wgpu::CompareFunction::Always, |depth| depth.compare),
+                write_depth: depth.is_some(),
                 cull: pass.cull,
                 front: wgpu::FrontFace::Ccw,
                 unfiltered: BTreeSet::new(),
             },
         };
         let commands = self.prepare(frame, &inputs, slots)?;
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: pass.layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        });
-        let attachments = color
+        let colors = color
             .as_ref()
-            .map(|(_, view)| attachment(view, clear_color));
-        let mark = frame
-            .timer
-            .mark(&self.gpu, "casters", Some(&light.source.name));
+            .map(|((_, view), clear)| attachment(view, *clear));
+        let depths = depth.as_ref().map(|(target, (_, view))| {
+            let load = target.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
+            depth_attachment(view, load)
+        });
+        let name = Some(job.light.source.name.as_str());
+        let mark = frame.timer.mark_map(&self.gpu, "casters", name);
         let mut recorded = frame
             .encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("casters"),
-                color_attachments: attachments.as_slice(),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &view,
-                    depth_ops: Some(wgpu::Operations {
-                        load: pass.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear),
-                        store: wgpu::StoreOp::Store,
-                    }),
-                    stencil_ops: None,
-                }),
+                color_attachments: colors.as_slice(),
+                depth_stencil_attachment: depths,
                 timestamp_writes: mark.as_ref().map(Mark::writes),
                 ..Default::default()
             });
-        let area = &pass.viewport;
-        let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|n| n as f32);
-        recorded.set_viewport(x, y, width, height, 0.0, 1.0);
+        set_viewport(&mut recorded, &pass.viewport);
         record(&mut recorded, &commands);
         frame.report.passes += 1;
         frame.report.caster_passes += 1;
         frame.report.caster_draws += commands.len() as u32;
         Ok(())
     }
+}
+
+/// What the passes of one plan share.
+pub(super) struct Job<'a> {
+    pub(super) light: &'a LightSetup<'a>,
+    pub(super) setup: &'a MethodSetup<'a>,
+    pub(super) textures: &'a Textures,
+    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
+    pub(super) cause: &'a str,
+    /// The textures that a pass has filled in part, or whole: only the first one into a texture clears it.
+    pub(super) filled: BTreeSet<&'a str>,
+}
+
+pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
+    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|n| n as f32);
+    pass.set_viewport(x, y, width, height, 0.0, 1.0);
 }
 
 fn plan(
@@ -185,82 +235,135 @@ fn slots(
     Ok(slots)
 }
 
-fn check_target(
+fn check_casters(setup: &MethodSetup<'_>, pass: &CasterPass) -> Result<(), RenderError> {
+    let problem = if pass.depth.is_none() && pass.color.is_none() {
+        "casters into no texture"
+    } else if !pass.view_proj.is_finite() {
+        "casters under a matrix that is not finite"
+    } else {
+        return Ok(());
+    };
+    Err(bad_plan(setup, problem))
+}
+
+/// A texture of the plan.
+pub(super) fn target<'a>(
     setup: &MethodSetup<'_>,
-    pass: &CasterPass,
+    textures: &'a Textures,
+    name: &str,
+) -> Result<(&'a TextureDesc, &'a wgpu::Texture), RenderError> {
+    match textures.get(name) {
+        Some((desc, texture)) => Ok((desc, texture)),
+        None => {
+            let problem = format!("the target `{name}`, which is none of its textures");
+            Err(bad_plan(setup, &problem))
+        }
+    }
+}
+
+/// Whether a viewport lies in a texture.
+pub(super) fn check_viewport(
+    setup: &MethodSetup<'_>,
+    area: &Viewport,
     desc: &TextureDesc,
 ) -> Result<(), RenderError> {
-    let area = &pass.viewport;
     let inside = |start: u32, extent: u32, all: u32| {
         extent > 0 && start.checked_add(extent).is_some_and(|end| end <= all)
     };
-    let problem = if !desc.format.has_depth_aspect() || desc.format.has_stencil_aspect() {
+    if inside(area.x, area.width, desc.width) && inside(area.y, area.height, desc.height) {
+        return Ok(());
+    }
+    let problem = format!(
+        "what is drawn into {area:?}, outside the {} by {} texels of `{}`",
+        desc.width, desc.height, desc.name
+    );
+    Err(bad_plan(setup, &problem))
+}
+
+/// The depth texture that a pass draws into.
+fn depth_target<'a>(
+    setup: &MethodSetup<'_>,
+    target: &DepthTarget,
+    viewport: &Viewport,
+    job: &Job<'a>,
+) -> Result<(&'a TextureDesc, wgpu::TextureView), RenderError> {
+    let (desc, texture) = self::target(setup, job.textures, &target.texture)?;
+    check_viewport(setup, viewport, desc)?;
+    let problem = if !is_depth(desc.format) {
         format!(
             "casters into `{}`, whose format {:?} is not of depth alone",
             desc.name, desc.format
         )
-    } else if !inside(area.x, area.width, desc.width) || !inside(area.y, area.height, desc.height) {
-        format!(
-            "casters into {area:?}, outside the {} by {} texels of `{}`",
-            desc.width, desc.height, desc.name
-        )
-    } else if pass.layer >= desc.shape.layers() {
-        format!("casters into layer {} of `{}`", pass.layer, desc.name)
-    } else if pass.depth_test.unclipped {
-        "casters that are flattened onto the near plane, which WebGPU's baseline cannot".to_owned()
-    } else if !pass.view_proj.is_finite() {
-        "casters under a matrix that is not finite".to_owned()
+    } else if target.layer >= desc.shape.layers() {
+        format!("casters into layer {} of `{}`", target.layer, desc.name)
     } else {
-        return Ok(());
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: target.layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        });
+        return Ok((desc, view));
     };
     Err(bad_plan(setup, &problem))
 }
 
-/// What a pass that writes depth as a colour draws into.
+/// Whether a format is of depth alone.
+pub(super) fn is_depth(format: wgpu::TextureFormat) -> bool {
+    format.has_depth_aspect() && !format.has_stencil_aspect()
+}
+
+/// The colour texture that a pass draws into, as large as `depth`, where it has that as well.
 fn color_target(
     setup: &MethodSetup<'_>,
     color: &ColorTarget,
-    depth: &TextureDesc,
+    depth: Option<&TextureDesc>,
+    viewport: &Viewport,
     textures: &Textures,
 ) -> Result<(ColorState, wgpu::TextureView), RenderError> {
     let name = &color.texture;
     let bad = |problem: String| bad_plan(setup, &problem);
-    let (desc, texture) = textures.get(name).ok_or_else(|| {
-        bad(format!(
-            "the target `{name}`, which is none of its textures"
-        ))
-    })?;
-    let components = desc.format.components();
+    let (desc, texture) = target(setup, textures, name)?;
     let format = desc.format;
-    let floats = format.sample_type(None, None);
-    let floats = matches!(floats, Some(wgpu::TextureSampleType::Float { .. }));
-    let there = wgpu::ColorWrites::from_bits_truncate((1 << components) - 1);
-    if !floats || !format.has_color_aspect() || desc.shape != TextureShape::D2 {
-        let problem = format!(
-            "depth as a colour into `{name}`, which is not one rectangle of floats ({format:?})"
-        );
+    if !is_floats(desc) {
+        let problem =
+            format!("a colour into `{name}`, which is not one rectangle of floats ({format:?})");
         return Err(bad(problem));
     }
-    if [desc.width, desc.height] != [depth.width, depth.height] {
+    if let Some(depth) = depth
+        && [desc.width, desc.height] != [depth.width, depth.height]
+    {
         let problem = format!(
-            "depth as a colour into the {} by {} texels of `{name}` and into the {} by {} of `{}`:              both must be as large",
+            "a colour into the {} by {} texels of `{name}` and depth into the {} by {} of `{}`: both must be as large",
             desc.width, desc.height, depth.width, depth.height, depth.name
         );
         return Err(bad(problem));
     }
+    let there = wgpu::ColorWrites::from_bits_truncate((1 << format.components()) - 1);
     if color.channels.is_empty() || !there.contains(color.channels) {
         let (wanted, there) = (channel_names(color.channels), channel_names(there));
         let problem = format!(
-            "depth into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
+            "a colour into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
         );
         return Err(bad(problem));
     }
+    check_viewport(setup, viewport, desc)?;
     let state = ColorState {
         format,
-        blend: Blend::Replace,
+        blend: match color.blend {
+            Blend::Replace => None,
+            Blend::Max => Some(MAX),
+        },
         channels: color.channels,
     };
     Ok((state, texture.create_view(&Default::default())))
+}
+
+/// Whether a texture is one rectangle of floats that can be drawn into.
+pub(super) fn is_floats(desc: &TextureDesc) -> bool {
+    let sample = desc.format.sample_type(None, None);
+    let floats = matches!(sample, Some(wgpu::TextureSampleType::Float { .. }));
+    floats && desc.format.has_color_aspect() && desc.shape == TextureShape::D2
 }
 
 fn channel_names(channels: wgpu::ColorWrites) -> String {
@@ -270,7 +373,7 @@ fn channel_names(channels: wgpu::ColorWrites) -> String {
 }
 
 /// A colour's attachment; cleared to 0, the farthest, or kept.
-fn attachment(
+pub(super) fn attachment(
     view: &wgpu::TextureView,
     clear: bool,
 ) -> Option<wgpu::RenderPassColorAttachment<'_>> {
@@ -287,6 +390,20 @@ fn attachment(
             store: wgpu::StoreOp::Store,
         },
     })
+}
+
+pub(super) fn depth_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<f32>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
 }
 
 pub(super) fn bad_plan(setup: &MethodSetup<'_>, problem: &str) -> RenderError {

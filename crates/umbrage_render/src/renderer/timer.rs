@@ -21,7 +21,14 @@ pub(super) struct Timer {
     period: Option<f32>,
     sets: Vec<wgpu::QuerySet>,
     /// What was marked since the last times were read.
-    marked: Vec<(String, Option<String>)>,
+    marked: Vec<Marked>,
+}
+
+/// What was marked.
+struct Marked {
+    pass: String,
+    light: Option<String>,
+    planned: bool,
 }
 
 /// Where a pass notes when it begins and when it ends.
@@ -38,6 +45,14 @@ impl Mark {
             end_of_pass_write_index: Some(self.first + 1),
         }
     }
+
+    pub(super) fn compute_writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(self.first),
+            end_of_pass_write_index: Some(self.first + 1),
+        }
+    }
 }
 
 impl Timer {
@@ -49,12 +64,30 @@ impl Timer {
         }
     }
 
-    /// A mark for the next pass; none where no times are taken.
+    /// A mark for the next pass, one of the renderer's own; none where no times are taken.
     pub(super) fn mark(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
+        self.mark_next(gpu, pass, light, false)
+    }
+
+    /// The same for a pass of a light's plan.
+    pub(super) fn mark_map(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
+        self.mark_next(gpu, pass, light, true)
+    }
+
+    fn mark_next(
+        &mut self,
+        gpu: &Gpu,
+        pass: &str,
+        light: Option<&str>,
+        planned: bool,
+    ) -> Option<Mark> {
         self.period?;
         let query = 2 * self.marked.len() as u32;
-        self.marked
-            .push((pass.to_owned(), light.map(str::to_owned)));
+        self.marked.push(Marked {
+            pass: pass.to_owned(),
+            light: light.map(str::to_owned),
+            planned,
+        });
         let set = (query / SET) as usize;
         if self.sets.len() == set {
             let desc = wgpu::QuerySetDescriptor {
@@ -119,9 +152,10 @@ impl Timer {
         let spans = ticks.as_chunks::<2>().0.iter();
         let passes = marked.into_iter().zip(spans);
         Ok(passes
-            .map(|((pass, light), [start, end])| PassTime {
-                pass,
-                light,
+            .map(|(marked, [start, end])| PassTime {
+                pass: marked.pass,
+                light: marked.light,
+                planned: marked.planned,
                 // A clock that was set back between the two tells nothing.
                 milliseconds: end.saturating_sub(*start) as f64 * period * 1e-6,
             })

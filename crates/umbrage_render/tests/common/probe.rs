@@ -50,8 +50,16 @@ pub(crate) fn probing(
     shader: &str,
     plan: impl Fn(&Frame<'_>) -> ShadowPlan + Send + Sync + 'static,
 ) -> Renderer {
-    let files = [("axes.ron", AXES), ("probe.wesl", shader)];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    probing_with(&[("axes.ron", AXES), ("probe.wesl", shader)], plan)
+}
+
+/// The same with these files in the package `probe`, its axes among them.
+pub(crate) fn probing_with(
+    files: &[(&str, &str)],
+    plan: impl Fn(&Frame<'_>) -> ShadowPlan + Send + Sync + 'static,
+) -> Renderer {
+    let files = files.iter();
+    let files = files.map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
     let probe = Package::from_sources("probe", "probe", files).expect("a package");
     let ours = umbrage_shader_lib::package().expect("the shader library");
     let library = Library::new([ours, probe]).expect("the library");

@@ -10,9 +10,8 @@ mod shimmer;
 use glam::{DMat4, DVec3, Vec3};
 use umbrage_render::{Object, Scene};
 use umbrage_shadow::{
-    CasterPass, DepthTest, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
+    CasterPass, DepthTarget, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
 };
-use wgpu_types::CompareFunction;
 
 use super::Sample;
 use crate::truth::{
@@ -52,18 +51,13 @@ fn same(sight: &Sight) -> Vec<Option<(u32, u32)>> {
 /// A caster pass into a whole map.
 fn pass(resolution: u32, view_proj: DMat4) -> Pass {
     Pass::Casters(CasterPass {
-        target: "map".to_owned(),
-        layer: 0,
+        shader: "caster".to_owned(),
+        depth: Some(DepthTarget::nearest("map")),
         viewport: Viewport {
             x: 0,
             y: 0,
             width: resolution,
             height: resolution,
-        },
-        clear: Some(0.0),
-        depth_test: DepthTest {
-            compare: CompareFunction::GreaterEqual,
-            unclipped: false,
         },
         cull: None,
         view_proj: view_proj.as_mat4(),

@@ -251,7 +251,7 @@ pub(super) static GROUPS: &[Group] = &[
             spread!(
                 casters_ms,
                 "casters",
-                "time of the caster passes: median, and the range"
+                "time of the passes that make shadow maps: median, and the range"
             ),
             spread!(
                 shading_ms,
@@ -291,7 +291,7 @@ pub(super) static GROUPS: &[Group] = &[
                 "passes",
                 "passes",
                 "",
-                "that draw casters",
+                "that make shadow maps",
                 |row| Some(f64::from(row.passes)),
                 whole,
             ),

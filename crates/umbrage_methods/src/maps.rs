@@ -1,0 +1,171 @@
+//! A light's maps in one texture, and how they are read.
+//!
+//! Three choices make a method: how maps are fitted (the method's own), which depth they hold (the axis `depth`),
+//! and how they are asked about a receiver (the axis `filter`). None knows the others: a method hands a [`Sheet`]
+//! to [`Reading::add`], and its shader a place in a tile to `interface::filter`.
+
+use glam::DMat4;
+use umbrage_shadow::{
+    CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
+    TextureShape, Viewport,
+};
+use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
+
+use crate::job;
+
+/// The binding of the texture that holds the maps' depths.
+pub(crate) const MAP: &str = "shadow_map";
+
+/// The format of depths.
+pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+
+/// A light's maps, in one texture.
+pub(crate) struct Sheet {
+    /// Texels across and down the texture.
+    pub size: [u32; 2],
+    /// The maps: tiles of one size, from the left, then from the top.
+    pub maps: Vec<Map>,
+}
+
+impl Sheet {
+    /// The least that a shader can bind, where there is no map.
+    pub(crate) fn empty() -> Self {
+        Self {
+            size: [1, 1],
+            maps: Vec::new(),
+        }
+    }
+}
+
+/// One map.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Map {
+    /// Where it lies in the texture.
+    pub tile: Viewport,
+    /// World (camera-relative) to clip space.
+    pub view_proj: DMat4,
+    /// What is drawn into it.
+    pub casters: Vec<usize>,
+    /// The view depths that it is read for: see [`CasterPass::receivers`].
+    pub receivers: Option<[f64; 2]>,
+}
+
+/// How maps are read: which depth they hold, and how they are asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reading {
+    depth: Depth,
+    filter: Filter,
+    /// The filter's width, texels: the axis `pcf`.
+    pub width: u32,
+}
+
+/// The axis `depth`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Depth {
+    Nearest,
+}
+
+/// The axis `filter`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Filter {
+    Pcf,
+}
+
+impl Reading {
+    const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
+    const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
+
+    /// That of a frame.
+    pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
+        Ok(Self {
+            depth: job::choice(frame, "depth", &Self::DEPTHS)?,
+            filter: job::choice(frame, "filter", &Self::FILTERS)?,
+            width: job::filter_width(frame)?,
+        })
+    }
+
+    /// Whether it is the plain one: the nearest depths, filtered by comparing them. A method that binds maps in
+    /// ways of its own can do no other.
+    pub(crate) fn is_plain(self) -> bool {
+        self.depth == Depth::Nearest && self.filter == Filter::Pcf
+    }
+
+    /// Adds to `plan` what fills the maps, and what the filter reads.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
+        match self.depth {
+            Depth::Nearest => nearest(plan, sheet),
+        }
+        match self.filter {
+            Filter::Pcf => {}
+        }
+        plan.fetches_per_pixel += self.fetches();
+        plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
+    }
+
+    /// The most fetches that one question takes.
+    fn fetches(self) -> u32 {
+        match self.filter {
+            Filter::Pcf => self.width.div_ceil(2).pow(2),
+        }
+    }
+}
+
+/// The nearest depths, and the hardware's comparison.
+fn nearest(plan: &mut ShadowPlan, sheet: &Sheet) {
+    plan.textures.push(texture(MAP, DEPTH, sheet.size));
+    plan.samplers.push(comparison());
+    for (number, map) in sheet.maps.iter().enumerate() {
+        let mut pass = casters(map, MAP);
+        // The whole texture is cleared once.
+        if let Some(depth) = pass.depth.as_mut().filter(|_| number > 0) {
+            depth.clear = None;
+        }
+        plan.passes.push(Pass::Casters(pass));
+    }
+}
+
+/// The pass that draws the nearest depths of `map` into `target`, which it clears.
+///
+/// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform a mirror.
+pub(crate) fn casters(map: &Map, target: &str) -> CasterPass {
+    CasterPass {
+        shader: "caster".to_owned(),
+        depth: Some(DepthTarget::nearest(target)),
+        color: None,
+        viewport: map.tile,
+        cull: None,
+        view_proj: map.view_proj.as_mat4(),
+        casters: map.casters.clone(),
+        receivers: map.receivers,
+    }
+}
+
+/// The sampler with which the hardware compares depths.
+pub(crate) fn comparison() -> SamplerDesc {
+    SamplerDesc {
+        name: "shadow_sampler".to_owned(),
+        filter: FilterMode::Linear,
+        compare: Some(CompareFunction::GreaterEqual),
+    }
+}
+
+/// A texture of one rectangle.
+pub(crate) fn texture(name: &str, format: TextureFormat, [width, height]: [u32; 2]) -> TextureDesc {
+    TextureDesc {
+        name: name.to_owned(),
+        format,
+        width,
+        height,
+        shape: TextureShape::D2,
+    }
+}
+
+/// All of a square of `side` texels.
+pub(crate) fn whole(side: u32) -> Viewport {
+    Viewport {
+        x: 0,
+        y: 0,
+        width: side,
+        height: side,
+    }
+}
