@@ -60,7 +60,7 @@ pub(super) fn lit(shot: &Shot<'_>, light: &LightSetup<'_>) -> Option<LitAir> {
     }
 }
 
-/// `rays` with what the air's passes read beside them: the block `medium`, and how depth becomes linear.
+/// `rays` with what the air's passes read of that block: the medium, and how depth becomes linear.
 pub(super) fn constants(
     rays: Constants,
     view: &View,

@@ -140,7 +140,7 @@ impl Renderer {
                     .with("ambient", Value::Vec3(inputs.ambient));
                 self.uniform(key, binding, &constants)
             }
-            ("rays" | "medium", _) => self.uniform(key, binding, &frame.rays),
+            ("rays", _) => self.uniform(key, binding, &frame.rays),
             (SEEN_PLANES, BindingKind::Texture { .. }) => {
                 let nothing = "what passes before the masks give";
                 let planes = frame.planes.clone();
@@ -169,7 +169,7 @@ impl Renderer {
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame`, `rays`, `instances`, to a mask `seen_planes`, and of air `medium` and \
+                "what the frame gives, `frame`, `rays`, `instances`, to a mask `seen_planes`, and to air \
                  `seen_depth`",
             )),
         }

@@ -35,7 +35,7 @@ pub(super) struct FrameState<'a> {
     pub(super) planes: Option<wgpu::TextureView>,
     /// The depth of what is seen, once it is there for the air.
     pub(super) seen_depth: Option<wgpu::TextureView>,
-    /// The members of the shader's blocks `rays` and `medium`.
+    /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
