@@ -378,6 +378,13 @@ fn clear_air_costs_nothing() {
             let lights = scene.lights.len() as u32;
             assert_eq!(hazy.report.passes, a.passes + 1 + lights, "{name}");
             assert_eq!(hazy.report.texels, a.texels, "{name}");
+            // A sun reaches surfaces as before: its light is what arrives.
+            if name == "bunny_sun.ron" {
+                let new: Vec<_> = keys(&hazy.report);
+                let new = new.iter().filter(|key| !keys(a).contains(key));
+                let passes: Vec<_> = new.map(|key| key.get("pass")).collect();
+                assert_eq!(passes, [Some("haze"), Some("shafts")]);
+            }
         }
     }
 }
