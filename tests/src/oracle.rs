@@ -120,6 +120,7 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
+                        seen: None,
                     })
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;
@@ -127,6 +128,7 @@ impl<'a> Oracle<'a> {
                 let twin = if shadow.method == "pssm" {
                     let choice = Choice {
                         lookup: axes.get("lookup")?.clone(),
+                        taper: axes.get("taper")? == "on",
                         transition: axes.get("transition")?.clone(),
                         band: settings.get("band"),
                     };

@@ -27,13 +27,14 @@ const STEPS: u32 = 16;
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 7] = [
+const SHADOW_AXES: [&str; 8] = [
     "depth",
     "filter",
     "lookup",
     "method",
     "pcf",
     "receiver_bias",
+    "taper",
     "transition",
 ];
 
@@ -128,8 +129,11 @@ impl Studio {
             "triangle" => What::Triangles,
             _ => What::ShadowTerm,
         };
-        let masked = value("method") == "mask" || ["linear_depth", "mask"].contains(&value("pass"));
-        let path = if masked { Way::Mask } else { Way::Forward };
+        let path = match (value("pass"), value("method")) {
+            ("region", _) => Way::MaskBySplit,
+            ("linear_depth" | "mask", _) | (_, "mask") => Way::Mask,
+            _ => Way::Forward,
+        };
         let rendered = self.render(&drawn, what, path);
         let projected = self.composer.project(key).expect("it was projected before");
         if !rendered
@@ -141,6 +145,8 @@ impl Studio {
             return Some(format!("{key} was not drawn"));
         }
         let wrong = match (&rendered.picture, value("pass")) {
+            // What it finds is held to a picture's own depths where it is read: `seen.rs` of the renderer.
+            (_, "depth_range") => None,
             (Picture::ShadowTerm(terms), pass) => {
                 let rounding = match pass {
                     "caster_depth" => DEPTH_ROUNDING,
@@ -175,7 +181,7 @@ impl Studio {
                 })
             }
             // The base pass knows no light: that it is drawn, and valid, is all.
-            (_, "base") => None,
+            (_, "base") | (Picture::Splits { .. }, _) => None,
             (Picture::Shaded(colors), _) => {
                 let unshadowed = self.unshadowed(key);
                 compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
@@ -200,12 +206,15 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
+            // They have what they work from for the sake of splits.
+            "depth_range" | "region" => Some("pssm"),
             _ => None,
         };
         let key = match caster_of {
             Some(method) => {
                 let choices = key.choices().filter(|(axis, _)| *axis != "method");
-                let key = library.key(choices.chain([("method", method)]));
+                let depths = (pass == "depth_range").then_some(("range", "depths"));
+                let key = library.key(choices.chain([("method", method)]).chain(depths));
                 key.expect("a caster under a method")
             }
             None => key.clone(),
@@ -224,6 +233,7 @@ impl Studio {
             "depth",
             "filter",
             "lookup",
+            "taper",
             "transition",
             "alpha_test",
             "base_color_texture",
@@ -234,8 +244,15 @@ impl Studio {
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let methods_own =
-            ["caster", "caster_depth", "haze", "linear_depth", "shafts"].contains(&pass);
+        let methods_own = [
+            "caster",
+            "caster_depth",
+            "haze",
+            "linear_depth",
+            "region",
+            "shafts",
+        ]
+        .contains(&pass);
         let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();

@@ -10,8 +10,8 @@ use super::{
     air::SEEN_DEPTH,
     assets,
     draw::{FrameState, PassInputs},
-    masks::SEEN_PLANES,
     pipelines::Program,
+    seen::{SEEN_DEPTHS, SEEN_PLANES},
 };
 use crate::{
     RenderError, pack, pack_buffer,
@@ -152,6 +152,12 @@ impl Renderer {
                 let depth = frame.seen_depth.clone();
                 let depth = depth.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(depth))
+            }
+            (SEEN_DEPTHS, BindingKind::StorageTexture { .. }) => {
+                let nothing = "what passes that look for no depths give";
+                let depths = frame.depths.clone();
+                let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(depths))
             }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {

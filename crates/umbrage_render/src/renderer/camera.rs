@@ -9,10 +9,11 @@ use super::{
     Renderer, Shot,
     air::{self, LitAir},
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, record},
+    draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
     pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
+    seen::PLANE,
     target::{DEPTH, Target},
 };
 use crate::{Picture, RenderError};
@@ -31,7 +32,7 @@ impl Lamp<'_> {
             setup: self.setup,
             constants: &self.constants,
             shadow: self.shadow.as_ref(),
-            masked: false,
+            term: Term::Method,
         }
     }
 }
@@ -63,9 +64,9 @@ impl Renderer {
             if lit.is_empty() && air.is_none() {
                 continue;
             }
-            let lamp = self.light_up(frame, shot, light, (&lit, air))?;
+            let to = (&target, false);
+            let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             if !lit.is_empty() {
-                let to = (&target, false);
                 let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
                 let reads = masked(lamp.reads(), mask.as_ref());
                 let state = camera_state(format, true, reads.shadow);
@@ -114,7 +115,8 @@ impl Renderer {
         let mut masks = None;
         for light in &shot.lights {
             let lit = lit(frame, shot, light);
-            let lamp = self.light_up(frame, shot, light, (&lit, air::lit(shot, light)))?;
+            let (to, air) = ((&target, true), air::lit(shot, light));
+            let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             let reads = lamp.reads();
             // What is counted is what a method fetches, and no mask is one.
             let mask = if pass == "shadow_term" {
@@ -170,11 +172,40 @@ impl Renderer {
                 continue;
             };
             let lit = lit(frame, shot, light);
-            let lamp = self.light_up(frame, shot, light, (&lit, Some(air)))?;
+            let lamp = self.light_up(frame, shot, (&target, false), light, (&lit, Some(air)))?;
             self.count_shafts(frame, shot, &target, &lamp)?;
             pictures.push(self.finish_floats(frame, &target)?);
         }
         Ok(Picture::Fetches(pictures))
+    }
+
+    pub(super) fn splits(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+    ) -> Result<Picture, RenderError> {
+        let shaded = self.shaded(frame, shot)?;
+        let target = self.target(frame, PLANE)?;
+        let state = camera_state(PLANE, false, None);
+        let inputs = inputs(shot, "linear_depth", None, state);
+        let commands = self.prepare(frame, &inputs, &shot.visible)?;
+        let nothing = Some(wgpu::Color::TRANSPARENT);
+        self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
+        let bytes = self.finish(frame, &target)?;
+        let pixels = bytes.as_chunks::<16>().0.iter();
+        let depths: Vec<_> = pixels
+            .map(|&[.., a, b, c, d]| f32::from_le_bytes([a, b, c, d]))
+            .collect();
+        let lights = (0..shot.lights.len()).map(|light| {
+            let plan = frame.report.plans.get(light).and_then(Option::as_ref);
+            let split = |depth: &f32| plan.and_then(|plan| plan.split_at(*depth));
+            depths.iter().map(split).collect()
+        });
+        let splits = lights.collect();
+        let Picture::Shaded(colors) = shaded else {
+            return Ok(shaded);
+        };
+        Ok(Picture::Splits { colors, splits })
     }
 
     pub(super) fn triangles(
@@ -220,12 +251,22 @@ impl Renderer {
         &mut self,
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
+        to: (&Target, bool),
         light: &'a LightSetup<'a>,
         (lit, air): (&[usize], Option<LitAir>),
     ) -> Result<Lamp<'a>, RenderError> {
         let method = light.method.as_ref();
         let shadow = match method.filter(|_| !lit.is_empty() || air.is_some()) {
-            Some(setup) => Some(self.cast(frame, &shot.view, light, setup, (lit, air.as_ref()))?),
+            Some(setup) => {
+                // Air is seen from the near plane on, wherever surfaces are.
+                let wanted = air.is_none() && setup.method.wants_seen_depths(&setup.axes);
+                let seen = match wanted {
+                    true => Some(self.seen_depths(frame, shot, to)?),
+                    false => None,
+                };
+                let by = (&shot.view, seen);
+                Some(self.cast(frame, by, light, setup, (lit, air.as_ref()))?)
+            }
             None => None,
         };
         Ok(Lamp {
@@ -254,6 +295,12 @@ impl Renderer {
 
     /// Runs what was recorded, and reads the colours back.
     fn finish(&self, frame: &mut FrameState<'_>, target: &Target) -> Result<Vec<u8>, RenderError> {
+        self.submit(frame)?;
+        Ok(target.read(&self.gpu)?)
+    }
+
+    /// Runs what was recorded, to its end.
+    pub(super) fn submit(&self, frame: &mut FrameState<'_>) -> Result<(), RenderError> {
         let next = self.gpu.device.create_command_encoder(&Default::default());
         let mut encoder = std::mem::replace(&mut frame.encoder, next);
         let times = frame.timer.resolve(&self.gpu, &mut encoder);
@@ -266,7 +313,7 @@ impl Renderer {
             let times = frame.timer.read(&self.gpu, &times)?;
             frame.report.times.extend(times);
         }
-        Ok(target.read(&self.gpu)?)
+        Ok(())
     }
 
     /// The same of a picture of single floats.
@@ -305,7 +352,7 @@ fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> Ligh
         None => reads,
         Some(_) => LightInputs {
             shadow: mask,
-            masked: true,
+            term: Term::Mask,
             ..reads
         },
     }

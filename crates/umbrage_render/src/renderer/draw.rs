@@ -31,10 +31,14 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
-    /// What is seen, where it was laid down for masks.
+    /// What is seen, where it was laid down.
     pub(super) planes: Option<wgpu::TextureView>,
     /// The depth of what is seen, once it is there for the air.
     pub(super) seen_depth: Option<wgpu::TextureView>,
+    /// Where the depths go between which it is seen, block by block.
+    pub(super) depths: Option<wgpu::TextureView>,
+    /// Between which depths it is, where that was asked for.
+    pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// By the full key, so that each is asked for once.
@@ -66,8 +70,18 @@ pub(super) struct LightInputs<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: &'a Constants,
     pub(super) shadow: Option<&'a ShadowResources>,
-    /// Whether the shadow term is read from a mask.
-    pub(super) masked: bool,
+    pub(super) term: Term<'a>,
+}
+
+/// Where a shader has a light's shadow term from.
+#[derive(Clone, Copy)]
+pub(super) enum Term<'a> {
+    /// The light's method.
+    Method,
+    /// The light's method, with these values of its axes in place of the light's.
+    Region(&'a BTreeMap<String, String>),
+    /// A mask.
+    Mask,
 }
 
 /// A draw, ready to be recorded.
@@ -90,6 +104,8 @@ impl<'a> FrameState<'a> {
         Self {
             planes: None,
             seen_depth: None,
+            depths: None,
+            seen: None,
             rays,
             options,
             objects,
@@ -217,7 +233,7 @@ impl Renderer {
         cause: &str,
         material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| (light.setup, light.masked));
+        let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
         let key = lights::key(library, frame.options, inputs.pass, light, material)?;
         if let Some(known) = frame.composed.get(&key) {

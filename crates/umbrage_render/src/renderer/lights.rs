@@ -8,7 +8,7 @@ use umbrage_shadow::{
     Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
 };
 
-use super::RenderOptions;
+use super::{RenderOptions, draw::Term};
 use crate::{
     RenderError,
     scene::{Material, Scene, SceneLight, Shadow, look_along},
@@ -37,9 +37,10 @@ const OWN_AXES: [&str; 4] = ["pass", "light", "medium", "method"];
 
 /// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
 /// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
-const AIR_AXES: [(&str, &str); 3] = [
+const AIR_AXES: [(&str, &str); 4] = [
     ("pcf", "3"),
     ("receiver_bias", "constant"),
+    ("taper", "off"),
     ("transition", "hard"),
 ];
 
@@ -209,12 +210,12 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
-/// for one, and whether it reads the light's mask.
+/// for one, and by where the light's shadow term comes from.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
-    light: Option<(&LightSetup<'_>, bool)>,
+    light: Option<(&LightSetup<'_>, Term<'_>)>,
     material: Option<&Material>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
@@ -231,7 +232,7 @@ pub(super) fn key(
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
-    let (light, masked) = light.unzip();
+    let (light, term) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.
     if kind != Some("spot") {
@@ -245,7 +246,7 @@ pub(super) fn key(
         if kind == "spot" && light.source.cookie.is_some() {
             choices.insert("cookie", "on");
         }
-        if masked == Some(true) {
+        if let Some(Term::Mask) = term {
             choices.insert("method", "mask");
         } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
@@ -254,6 +255,9 @@ pub(super) fn key(
                 let known = |(axis, _): &(&str, _)| setup.axes.contains_key(*axis);
                 choices.extend(AIR_AXES.into_iter().filter(known));
             }
+        }
+        if let Some(Term::Region(axes)) = term {
+            choices.extend(axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
         }
     }
     Ok(library.key(choices)?)

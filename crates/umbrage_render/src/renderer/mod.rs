@@ -10,7 +10,9 @@ mod lights;
 mod masks;
 mod objects;
 mod pipelines;
+mod regions;
 mod resources;
+mod seen;
 mod shadows;
 mod target;
 mod timer;
@@ -97,13 +99,26 @@ pub enum What {
     /// For each light the texture fetches that its shafts take: for every step those of the shadow term and of a
     /// cookie, and one for the depth of what is seen.
     ShaftFetches,
+    /// The scene, and for each light which of its several shadow maps is read.
+    Splits,
 }
 
 /// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
 /// about. The methods do not know which it is, and the pictures are the same up to rounding: the mask
 /// path finds a position again from linear depth, along the ray through the pixel's middle, and a
 /// rasteriser's own may be off by its grid, 1/256 pixel on most devices.
-#[derive(serde::Deserialize, serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    serde::Deserialize,
+    serde::Serialize,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
@@ -113,6 +128,10 @@ pub enum Path {
     /// permutation a light and method, whatever the surfaces; for
     /// [`mask_bytes`](crate::Report::mask_bytes) more memory, and one more pass over the objects.
     Mask,
+    /// The same, by a pass over the picture for each of the plan's
+    /// [regions](umbrage_shadow::ShadowPlan::regions), with its own permutation; the depth test rejects the pixels of
+    /// the others before they are shaded. A light whose plan has none has the one pass of the mask path.
+    MaskBySplit,
 }
 
 impl Default for RenderOptions {
@@ -241,6 +260,7 @@ impl Renderer {
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
             What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
+            What::Splits => self.splits(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
@@ -338,6 +358,7 @@ mod tests {
             What::Triangles,
             What::Fetches,
             What::ShaftFetches,
+            What::Splits,
         ] {
             let options = RenderOptions {
                 width: 40,

@@ -15,6 +15,7 @@ use super::{
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
     pipelines::{ColorState, DrawState, MAX},
+    regions,
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
@@ -25,7 +26,7 @@ impl Renderer {
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
-        view: &View,
+        (view, seen): (&View, Option<[f64; 2]>),
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
         (receivers, air): (&[usize], Option<&LitAir>),
@@ -42,7 +43,13 @@ impl Renderer {
             }
         }
         receiver_bounds.extend(air.and_then(|air| air.shaded));
-        let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
+        let plan = plan(
+            (view, seen),
+            (light, setup),
+            &caster_bounds,
+            &receiver_bounds,
+        )?;
+        regions::check(setup, &plan.regions)?;
         self.check_needs(light, setup, &plan)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
@@ -74,6 +81,7 @@ impl Renderer {
             }
         }
         resources.constants = plan.constants.clone();
+        resources.regions = plan.regions.clone();
         frame.report.plans.resize(light.index, None);
         frame.report.plans.push(Some(plan));
         Ok(resources)
@@ -197,9 +205,8 @@ pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
 }
 
 fn plan(
-    view: &View,
-    light: &LightSetup<'_>,
-    setup: &MethodSetup<'_>,
+    (view, seen): (&View, Option<[f64; 2]>),
+    (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
     casters: &[Aabb],
     receivers: &[Aabb],
 ) -> Result<ShadowPlan, RenderError> {
@@ -209,6 +216,7 @@ fn plan(
         casters: Casters { casters, receivers },
         settings: &setup.settings,
         axes: &setup.axes,
+        seen,
     };
     let light = light.source.name.clone();
     setup

@@ -120,51 +120,55 @@ impl Target {
         self.texture.format()
     }
 
-    /// The colour texture's bytes, row by row from the top, in bands so that no buffer grows with
-    /// the picture.
+    /// The colour texture's bytes, as [`read`] gives them.
     pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
-        let (width, height) = (self.texture.width(), self.texture.height());
-        let texel = self.texture.format().block_copy_size(None).unwrap_or(4);
-        let row = width * texel;
-        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let rows = ((BAND / u64::from(padded)) as u32).clamp(1, height);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("read-back"),
-            size: u64::from(padded) * u64::from(rows),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut bytes = Vec::with_capacity(row as usize * height as usize);
-        let mut top = 0;
-        while top < height {
-            let band = rows.min(height - top);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo {
-                    origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
-                    ..self.texture.as_image_copy()
-                },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &buffer,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(padded),
-                        rows_per_image: None,
-                    },
-                },
-                wgpu::Extent3d {
-                    width,
-                    height: band,
-                    depth_or_array_layers: 1,
-                },
-            );
-            gpu.queue.submit([encoder.finish()]);
-            gpu.read(&buffer, |mapped| {
-                let rows = mapped.chunks_exact(padded as usize).take(band as usize);
-                rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
-            })?;
-            top += band;
-        }
-        Ok(bytes)
+        read(gpu, &self.texture)
     }
+}
+
+/// The bytes of a texture of one rectangle, row by row from the top, in bands so that no buffer grows with it.
+pub(super) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+    let (width, height) = (texture.width(), texture.height());
+    let texel = texture.format().block_copy_size(None).unwrap_or(4);
+    let row = width * texel;
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let rows = ((BAND / u64::from(padded)) as u32).clamp(1, height);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read-back"),
+        size: u64::from(padded) * u64::from(rows),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut bytes = Vec::with_capacity(row as usize * height as usize);
+    let mut top = 0;
+    while top < height {
+        let band = rows.min(height - top);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
+                ..texture.as_image_copy()
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d {
+                width,
+                height: band,
+                depth_or_array_layers: 1,
+            },
+        );
+        gpu.queue.submit([encoder.finish()]);
+        gpu.read(&buffer, |mapped| {
+            let rows = mapped.chunks_exact(padded as usize).take(band as usize);
+            rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
+        })?;
+        top += band;
+    }
+    Ok(bytes)
 }
