@@ -21,6 +21,8 @@ use umbrage::{
 use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
 
 const SIZE: u32 = 40;
+/// Steps along a ray through the air.
+const STEPS: u32 = 16;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
@@ -107,6 +109,7 @@ impl Studio {
             height: SIZE,
             what,
             path,
+            shaft_steps: STEPS,
             ..RenderOptions::default()
         };
         self.renderer
@@ -120,7 +123,8 @@ impl Studio {
         let value = |axis: &str| axes.value(key, axis).unwrap_or("");
         let drawn = self.staged(key);
         let what = match value("pass") {
-            "illumination" | "base" => What::Shaded,
+            "illumination" | "base" | "haze" | "shafts" => What::Shaded,
+            "shaft_fetches" => What::ShaftFetches,
             "fetch_count" => What::Fetches,
             "triangle" => What::Triangles,
             _ => What::ShadowTerm,
@@ -152,6 +156,13 @@ impl Studio {
                     Some(f64::from(terms[0][pixel]))
                 })
             }
+            (Picture::Fetches(counts), "shaft_fetches") => {
+                // Nowhere is nothing fetched.
+                compare_all(&drawn, &counts[0], -1.0, |oracle, x, y| {
+                    let sure = oracle.air_fetches(x, y, SIZE, STEPS);
+                    sure.map_err(|_| Pixel::Edge)
+                })
+            }
             (Picture::Fetches(counts), _) => {
                 let promised = rendered.report.fetches_per_pixel;
                 compare_all(&drawn, &counts[0], 0.0, |oracle, x, y| {
@@ -163,6 +174,12 @@ impl Studio {
                 let (object, triangle) = oracle.triangle(x, y, SIZE, SIZE)?;
                 Ok(Some((object as u32, triangle as u32)))
             }),
+            (Picture::Shaded(colors), "haze") => {
+                compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
+                    // The background is black.
+                    Some(f64::from(colors[pixel][0] / 0.8)).filter(|share| *share > 0.0)
+                })
+            }
             // The base pass knows no light: that it is drawn, and valid, is all.
             (_, "base") | (Picture::Splits { .. }, _) => None,
             (Picture::Shaded(colors), _) => {
@@ -220,13 +237,22 @@ impl Studio {
             "transition",
             "alpha_test",
             "base_color_texture",
+            "cookie",
         ];
         let name: Vec<_> = known
             .iter()
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let methods_own = ["caster", "caster_depth", "linear_depth", "region"].contains(&pass);
+        let methods_own = [
+            "caster",
+            "caster_depth",
+            "haze",
+            "linear_depth",
+            "region",
+            "shafts",
+        ]
+        .contains(&pass);
         let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();
@@ -236,6 +262,8 @@ impl Studio {
             Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
         let pixel = |x, y| match pass {
             "caster_depth" => oracle.stored(x, y, SIZE, SIZE),
+            "haze" => oracle.haze(x, y, SIZE),
+            "shafts" => oracle.shafts(x, y, SIZE, STEPS),
             _ => oracle.pixel(x, y, SIZE, SIZE),
         };
         let pixels: Vec<_> = (0..SIZE * SIZE)

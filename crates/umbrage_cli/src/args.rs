@@ -56,6 +56,9 @@ pub(crate) struct RenderArgs {
     /// How shadow terms come to where light is added: the picture is the same.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) path: Path,
+    /// Steps along each ray through the scene's medium, where it has one.
+    #[arg(long, value_name = "N", default_value_t = umbrage::render::RenderOptions::default().shaft_steps)]
+    pub(crate) shaft_steps: u32,
     /// The picture to write.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
@@ -163,6 +166,8 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+    /// The texture fetches of the light that the air scatters: white where they are most, black where there are none.
+    ShaftFetches,
     /// The lit scene, with a hue for each of the shadow maps that a light's splits have.
     Splits,
 }

@@ -92,6 +92,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::ShadowTerm => render::What::ShadowTerm,
             What::Triangles => render::What::Triangles,
             What::Fetches => render::What::Fetches,
+            What::ShaftFetches => render::What::ShaftFetches,
             What::Splits => render::What::Splits,
         },
         method: args.method.clone(),
@@ -100,6 +101,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
             args::Path::Mask => render::Path::Mask,
             args::Path::MaskBySplit => render::Path::MaskBySplit,
         },
+        shaft_steps: args.shaft_steps,
         ..RenderOptions::default()
     }
 }

@@ -32,7 +32,8 @@ pub enum Picture {
     /// The object, by its place in [`Scene::objects`](crate::Scene::objects), and the triangle, by its
     /// place in the object's mesh; none where there is nothing to see.
     Triangles(Vec<Option<(u32, u32)>>),
-    /// For each light how many texture fetches its shadow term takes; 0 where there is nothing to see.
+    /// For each light how many texture fetches its shadow term takes, 0 where there is nothing to see; or its shafts
+    /// take, 0 where the light does not reach the air that is seen.
     Fetches(Vec<Vec<f32>>),
     /// Which of several shadow maps is read.
     Splits {

@@ -19,7 +19,7 @@ use super::{
     },
     timer::Mark,
 };
-use crate::{RenderError, scene::Object};
+use crate::RenderError;
 
 impl Renderer {
     /// Draws one triangle around a part of a texture.
@@ -56,7 +56,7 @@ impl Renderer {
         let command = {
             let given = resources.given_to(&pass.reads);
             let inputs = inputs(job, &pass.shader, &light, &given, state);
-            self.prepare_screen(frame, &inputs, job.receiver)?
+            self.prepare_screen(frame, &inputs, job.cause)?
         };
         let view = texture.create_view(&Default::default());
         let clear = job.filled.insert(&pass.target);
@@ -96,21 +96,20 @@ impl Renderer {
         let light = lights::constants(&job.light.source.light, eye);
         let given = resources.given_to(&pass.reads);
         let inputs = inputs(job, &pass.shader, &light, &given, DrawState::NOTHING);
-        let permutation = self.compose(frame, &inputs, job.receiver, None)?;
+        let permutation = self.compose(frame, &inputs, job.cause, None)?;
         check_stores(job, pass, &permutation)?;
         let mark = frame.timer.mark_map(&self.gpu, inputs.pass, inputs.cause);
-        let what = (permutation, job.receiver);
-        self.compute(frame, &inputs, what, pass.workgroups, mark)?;
+        self.compute(frame, &inputs, permutation, pass.workgroups, mark)?;
         frame.report.derived_passes += 1;
         Ok(())
     }
 
-    /// Runs a compute shader on an object's behalf.
+    /// Runs a compute shader.
     pub(super) fn compute(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        (permutation, object): (Arc<Permutation>, &Object),
+        permutation: Arc<Permutation>,
         [x, y, z]: [u32; 3],
         mark: Option<Mark>,
     ) -> Result<(), RenderError> {
@@ -123,7 +122,7 @@ impl Renderer {
                 made
             }
         };
-        let groups = self.bind_all(frame, inputs, &computation.program, object)?;
+        let groups = self.bind_all(frame, inputs, &computation.program)?;
         let mut recorded = frame
             .encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor {

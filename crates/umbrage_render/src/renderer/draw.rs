@@ -20,10 +20,7 @@ use super::{
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
-use crate::{
-    PermutationUse, RenderError, Report,
-    scene::{Material, Object},
-};
+use crate::{PermutationUse, RenderError, Report, scene::Material};
 
 /// What is being rendered, and what has been found out on the way.
 pub(super) struct FrameState<'a> {
@@ -36,6 +33,8 @@ pub(super) struct FrameState<'a> {
     pub(super) shadow_maps: BTreeSet<TextureId>,
     /// What is seen, where it was laid down.
     pub(super) planes: Option<wgpu::TextureView>,
+    /// The depth of what is seen, once it is there for the air.
+    pub(super) seen_depth: Option<wgpu::TextureView>,
     /// Where the depths go between which it is seen, block by block.
     pub(super) depths: Option<wgpu::TextureView>,
     /// Between which depths it is, where that was asked for.
@@ -104,6 +103,7 @@ impl<'a> FrameState<'a> {
     ) -> Self {
         Self {
             planes: None,
+            seen_depth: None,
             depths: None,
             seen: None,
             rays,
@@ -163,7 +163,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, object, Some(&object.material))?;
+            let permutation = self.compose(frame, inputs, &object.name, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.program.groups.len() {
@@ -181,7 +181,7 @@ impl Renderer {
                         inputs,
                         &pipeline.program,
                         (group, layout),
-                        object,
+                        Some(object),
                     )?),
                 };
                 if let Some(bound) = &bound {
@@ -204,17 +204,17 @@ impl Renderer {
         Ok(commands)
     }
 
-    /// The command that draws one triangle around the picture, for the sake of `object`.
+    /// The command that draws one triangle around the picture, for the sake of what is called `cause`.
     pub(super) fn prepare_screen(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
-        let permutation = self.compose(frame, inputs, object, None)?;
+        let permutation = self.compose(frame, inputs, cause, None)?;
         let pipeline = self.pipeline(permutation, &inputs.state, false)?;
-        let groups = self.bind_all(frame, inputs, &pipeline.program, object)?;
+        let groups = self.bind_all(frame, inputs, &pipeline.program)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
@@ -224,13 +224,13 @@ impl Renderer {
         })
     }
 
-    /// The permutation that `object` needs in this pass, for a material where it is one's, composed on
-    /// first need.
+    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's,
+    /// composed on first need.
     pub(super) fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
         material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
         let light = inputs.light.map(|light| (light.setup, light.term));
@@ -247,7 +247,7 @@ impl Renderer {
             frame.report.permutations.push(PermutationUse {
                 key: permutation.key.clone(),
                 source: composed.source,
-                object: object.name.clone(),
+                object: cause.to_owned(),
                 light: inputs.cause.map(str::to_owned),
             });
         }

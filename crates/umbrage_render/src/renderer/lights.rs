@@ -20,6 +20,8 @@ pub(super) struct LightSetup<'a> {
     /// Its number in the scene.
     pub(super) index: usize,
     pub(super) method: Option<MethodSetup<'a>>,
+    /// Whether it goes through a medium.
+    pub(super) in_medium: bool,
 }
 
 /// A light's method and what is chosen for it.
@@ -31,7 +33,16 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 3] = ["pass", "light", "method"];
+const OWN_AXES: [&str; 4] = ["pass", "light", "medium", "method"];
+
+/// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
+/// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
+const AIR_AXES: [(&str, &str); 4] = [
+    ("pcf", "3"),
+    ("receiver_bias", "constant"),
+    ("taper", "off"),
+    ("transition", "hard"),
+];
 
 /// Checks what `scene` and `options` ask of the lights.
 pub(super) fn set_up<'a>(
@@ -82,6 +93,7 @@ pub(super) fn set_up<'a>(
             source,
             index,
             method,
+            in_medium: scene.medium.is_some_and(|air| air.extinction() > 0.0),
         });
     }
     Ok(setups)
@@ -228,6 +240,9 @@ pub(super) fn key(
     }
     if let (Some(light), Some(kind)) = (light, kind) {
         choices.insert("light", kind);
+        if light.in_medium && pass == "illumination" {
+            choices.insert("medium", "on");
+        }
         if kind == "spot" && light.source.cookie.is_some() {
             choices.insert("cookie", "on");
         }
@@ -236,6 +251,10 @@ pub(super) fn key(
         } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
+            if ["shafts", "shaft_fetches"].contains(&pass) {
+                let known = |(axis, _): &(&str, _)| setup.axes.contains_key(*axis);
+                choices.extend(AIR_AXES.into_iter().filter(known));
+            }
         }
         if let Some(Term::Region(axes)) = term {
             choices.extend(axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));

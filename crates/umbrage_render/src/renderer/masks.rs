@@ -148,7 +148,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let mut commands = Vec::new();
         if let Some(first) = light.receivers.first() {
-            commands.push(self.prepare_screen(frame, inputs, first)?);
+            commands.push(self.prepare_screen(frame, inputs, &first.name)?);
         }
         let mark = frame.timer.mark(&self.gpu, screen.name, inputs.cause);
         let mut pass = begin(

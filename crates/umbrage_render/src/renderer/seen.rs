@@ -99,11 +99,11 @@ impl Renderer {
             ..DrawState::NOTHING
         };
         let inputs = inputs(shot, "depth_range", unfiltered);
-        let permutation = self.compose(frame, &inputs, object, None)?;
+        let permutation = self.compose(frame, &inputs, &object.name, None)?;
         let mark = frame.timer.mark(&self.gpu, inputs.pass, None);
         let [across, down] = blocks;
         let groups = [across, down, 1];
-        self.compute(frame, &inputs, (permutation, object), groups, mark)?;
+        self.compute(frame, &inputs, permutation, groups, mark)?;
         self.submit(frame)?;
         let bytes = read(&self.gpu, &ranges)?;
         let found = bytes.as_chunks::<16>().0.iter();

@@ -10,6 +10,7 @@ use umbrage_shadow::{
 
 use super::{
     Renderer,
+    air::{AIR, LitAir},
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
@@ -18,17 +19,17 @@ use super::{
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
-use crate::{RenderError, scene::Object};
+use crate::RenderError;
 
 impl Renderer {
-    /// Draws the shadow maps of a light for the objects at `receivers`.
+    /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
         (view, seen): (&View, Option<[f64; 2]>),
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
-        receivers: &[usize],
+        (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
         let mut casting = Vec::new();
         let (mut caster_bounds, mut receiver_bounds) = (Vec::new(), Vec::new());
@@ -41,6 +42,7 @@ impl Renderer {
                 receiver_bounds.push(object.bounds);
             }
         }
+        receiver_bounds.extend(air.and_then(|air| air.shaded));
         let plan = plan(
             (view, seen),
             (light, setup),
@@ -56,14 +58,11 @@ impl Renderer {
             .objects
             .iter()
             .find_map(|(slot, object)| receivers.contains(&slot).then_some(object));
-        let Some(receiver) = receiver else {
-            return Err(bad_plan(setup, "for no receiver"));
-        };
         let mut job = Job {
             light,
             setup,
             textures: &textures,
-            receiver,
+            cause: receiver.map_or(AIR, |object| &object.name),
             filled: BTreeSet::new(),
         };
         for pass in &plan.passes {
@@ -194,8 +193,8 @@ pub(super) struct Job<'a> {
     pub(super) light: &'a LightSetup<'a>,
     pub(super) setup: &'a MethodSetup<'a>,
     pub(super) textures: &'a Textures,
-    /// A receiver, on whose behalf passes that draw no object run.
-    pub(super) receiver: &'a Object,
+    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
+    pub(super) cause: &'a str,
     /// The textures that a pass has filled in part, or whole: only the first one into a texture clears it.
     pub(super) filled: BTreeSet<&'a str>,
 }

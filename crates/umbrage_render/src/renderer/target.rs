@@ -71,7 +71,7 @@ impl Target {
             size,
             1,
             DEPTH,
-            Usage::RENDER_ATTACHMENT,
+            Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING,
         )?;
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {
@@ -91,6 +91,33 @@ impl Target {
     ) -> wgpu::RenderPass<'a> {
         let color = (&self.color, clear);
         begin(encoder, color, (&self.depth, clear.is_some()), mark)
+    }
+
+    /// Begins a pass over what is there, without depth, which it may read. `mark` takes its time.
+    pub(super) fn over<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        mark: Option<&Mark>,
+    ) -> wgpu::RenderPass<'a> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("over the picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            timestamp_writes: mark.map(Mark::writes),
+            ..Default::default()
+        })
+    }
+
+    /// The colours' format.
+    pub(super) fn format(&self) -> wgpu::TextureFormat {
+        self.texture.format()
     }
 
     /// The colour texture's bytes, as [`read`] gives them.
