@@ -127,6 +127,7 @@ impl<'a> Oracle<'a> {
                     let choice = Choice {
                         lookup: axes.get("lookup")?.clone(),
                         transition: axes.get("transition")?.clone(),
+                        depth: axes.get("depth")?.clone(),
                         band: settings.get("band"),
                     };
                     Twin::Pssm(PssmTwin::new(&plan, width, plane, choice)?)

@@ -4,14 +4,17 @@
 //! and how they are asked about a receiver (the axis `filter`). None knows the others: a method hands a [`Sheet`]
 //! to [`Reading::add`], and its shader a place in a tile to `interface::filter`.
 
-use glam::DMat4;
+use glam::{DMat4, DVec2};
 use umbrage_shadow::{
     CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
     TextureShape, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::job;
+use crate::{
+    job::{self, Bias},
+    midpoint::{Midpoint, Need},
+};
 
 /// The binding of the texture that holds the maps' depths.
 pub(crate) const MAP: &str = "shadow_map";
@@ -48,6 +51,8 @@ pub(crate) struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
+    /// What keeps its receivers from shading themselves.
+    pub bias: Bias,
 }
 
 /// How maps are read: which depth they hold, and how they are asked.
@@ -57,11 +62,14 @@ pub(crate) struct Reading {
     filter: Filter,
     /// The filter's width, texels: the axis `pcf`.
     pub width: u32,
+    /// Whether what is compared follows the receiver's plane: the axis `receiver_bias`.
+    plane: bool,
 }
 
 /// The axis `depth`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Depth {
+    Midpoint(Midpoint),
     Nearest,
 }
 
@@ -72,7 +80,12 @@ enum Filter {
 }
 
 impl Reading {
-    const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
+    const DEPTHS: [(&'static str, Depth); 4] = [
+        ("midpoint", Depth::Midpoint(Midpoint::Resolved)),
+        ("midpoint_sampled", Depth::Midpoint(Midpoint::Sampled)),
+        ("midpoint_two_passes", Depth::Midpoint(Midpoint::TwoPasses)),
+        ("nearest", Depth::Nearest),
+    ];
     const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
 
     /// That of a frame.
@@ -81,6 +94,7 @@ impl Reading {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
             filter: job::choice(frame, "filter", &Self::FILTERS)?,
             width: job::filter_width(frame)?,
+            plane: job::axis(frame, "receiver_bias") == "plane",
         })
     }
 
@@ -90,9 +104,29 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
+    /// Whether it can be of a cube.
+    pub(crate) fn check_cube(self) -> Result<(), PlanError> {
+        PlanError::check(
+            self.is_plain(),
+            "how a point light's cube map is read",
+            "chosen by the axes `depth` and `filter`",
+            "`nearest` and `pcf`, which are all that there is for cubes: choose them",
+        )
+    }
+
+    /// By what a receiver's depth in a map is raised before it is compared: x + y · depth.
+    pub(crate) fn raise(self, bias: &Bias) -> DVec2 {
+        match self.depth {
+            // The map itself holds it.
+            Depth::Midpoint(_) => DVec2::ZERO,
+            Depth::Nearest => bias.raise,
+        }
+    }
+
     /// Adds to `plan` what fills the maps, and what the filter reads.
     pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
         match self.depth {
+            Depth::Midpoint(midpoint) => midpoint.add(plan, sheet, self.need()),
             Depth::Nearest => nearest(plan, sheet),
         }
         match self.filter {
@@ -105,7 +139,22 @@ impl Reading {
     /// The most fetches that one question takes.
     fn fetches(self) -> u32 {
         match self.filter {
-            Filter::Pcf => self.width.div_ceil(2).pow(2),
+            Filter::Pcf => self.width.div_ceil(2).pow(2) * self.fetches_a_comparison(),
+        }
+    }
+
+    fn fetches_a_comparison(self) -> u32 {
+        match self.depth {
+            Depth::Midpoint(midpoint) => midpoint.fetches(),
+            Depth::Nearest => 1,
+        }
+    }
+
+    /// How far a surface has to be behind its own middle.
+    fn need(self) -> Need {
+        Need {
+            reach: 0.5 * f64::from(self.width) + 0.5,
+            plane: self.plane,
         }
     }
 }

@@ -1,0 +1,279 @@
+//! Midpoint shadow maps (Woo 1992, "The Shadow Depth Map Revisited"): a map holds a depth *inside* what casts, between
+//! the nearest face that is turned to the light and the nearest that is turned away. What is lit then has half
+//! of a body's thickness between itself and its own map, whatever the slope and the resolution; and so has what the body
+//! stands on, on the other side. Values of the axis `depth`, for any method with tiles and any filter. The shader half
+//! is `methods/midpoint.wesl`; [`MidpointTwin`] is the same rule on the CPU.
+//!
+//! # How it works
+//! - `midpoint`: one pass without a depth texture ([Kayamon 2011]): fronts write their depth into one channel, backs
+//!   into another, and blending keeps the larger one (reversed depth: the nearest) of each. A full-screen pass over each
+//!   tile then makes a depth map of the two, which is read as any other.
+//! - `midpoint_sampled`: the same pass, and no depth map: each fetch's four texels are resolved as they are compared.
+//! - `midpoint_two_passes`: fronts into one depth map, backs into another, and the full-screen pass. It asks for no
+//!   feature of the device.
+//!
+//! All three give one picture. Mirrored transforms turn a triangle's winding; the renderer turns what counts as front
+//! with it.
+//!
+//! # What a map holds
+//! With f and b the nearest front and back along a texel's ray, as depths:
+//!
+//! - Where b is behind f, by more than `2 · least`: the middle of f and b, but no more than `most` behind f.
+//! - Elsewhere the nearer one of the two, whichever it is, moved away from the light by `bias`. So it is for meshes that
+//!   are open, leaves without thickness, faces that are inside out, and all that has no back: they need the bias, and get
+//!   it as a receiver would with `nearest`; the picture is the same.
+//!
+//! So the map holds the bias, and receivers are compared at their own depth, but for what a wide filter needs: the receiver's
+//! plane is followed, and each fetch's depth leans a texel over it, as in [`crate::basic`].
+//!
+//! `bias` is the setting `depth_bias` and what rounding may be. `least` is what a plane needs against its own map
+//! where the shader follows it: the rasteriser's grid at the steepest slope that is followed, 19 · √2 / 512 texels,
+//! is less than a 16th, and rounding comes to it. Under `receiver_bias` `constant` nothing is followed, and `least` is
+//! `bias`. `most` is the filter's reach, (W + 1) / 2 texels, or `bias` where that is more: a facet at 45° to the receiver's
+//! plane is no nearer to the light than that where the filter ends, and what is stored deeper holds off nothing, but
+//! lets light in: see below.
+//!
+//! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth
+//! is A + B / d, and it is the harmonic mean of the distances, 2 d₁ d₂ / (d₁ + d₂): between the two as well, and nearer to
+//! the front, by a share of (d₂ − d₁) / (d₂ + d₁) of half the thickness, where texels are narrower too. An f32 holds
+//! reversed depth to 6e-8 of itself, so the sum of two is exact to a unit in the last place of either.
+//!
+//! # Cost
+//! Per map's texel 12 bytes, or 8 sampled, where `nearest` has 4. `midpoint` draws casters once without early depth
+//! tests, all that overlap are blended; two passes draw half of the faces each. Sampling takes two fetches for each
+//! one of `nearest`.
+//!
+//! # Limits
+//! The nearest front and the nearest back may be of different bodies. Of closed bodies that is harmless: the nearest
+//! back is then of a body that begins inside of the first, and the middle lies in both, or before the second. An open mesh
+//! above a closed body is not: its middle with that body's back may lie behind the body's front, which is then lit
+//! in the open mesh's shadow. Thence `most`: this can only be where the two are nearer to each other than
+//! `most`, which no more than doubles what `depth_bias` does by default.
+//!
+//! A closed body that is inside out has its back before its front: it is biased as an open one. A curved, hollow shell
+//! that is thinner than twice what its curvature needs under the filter shades itself; give such bodies one side.
+//!
+//! Point lights are not supported, nor are lookups of [`crate::pssm`] with a texture for each split.
+//!
+//! [Kayamon 2011]: https://web.archive.org/web/2011/http://www.kayamon.com/
+
+use glam::{DVec2, Vec2};
+use umbrage_shadow::{
+    Blend, CasterPass, ColorTarget, Constants, MAX_SPLITS, Pass, Reads, SamplerDesc, ScreenPass,
+    ShadowPlan, Value,
+};
+use wgpu_types::{ColorWrites, Face, Features, FilterMode, TextureFormat};
+
+use crate::maps::{DEPTH, MAP, Map, Sheet, casters, comparison, texture};
+
+/// The binding of the two channels: nearest fronts and nearest backs.
+const FACES: &str = "faces";
+
+/// The bindings of the same as two depth maps.
+const FRONTS: &str = "front_faces";
+const BACKS: &str = "back_faces";
+
+/// What a plane needs between itself and its own map where it is followed, in texels' widths.
+const LEAST: f64 = 1.0 / 16.0;
+
+/// Where the middle is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Midpoint {
+    Resolved,
+    Sampled,
+    TwoPasses,
+}
+
+/// What a filter asks of a surface's distance to its own middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Need {
+    /// How far from its middle the filter reads, texels.
+    pub reach: f64,
+    /// Whether what is compared follows the receiver's plane.
+    pub plane: bool,
+}
+
+impl Midpoint {
+    /// Adds to `plan` what fills the maps.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, need: Need) {
+        match self {
+            Self::Resolved => {
+                faces(plan, sheet);
+                resolve(plan, sheet, need);
+            }
+            Self::Sampled => {
+                faces(plan, sheet);
+                sample(plan, sheet, need);
+            }
+            Self::TwoPasses => {
+                side(plan, sheet, FRONTS, Face::Back);
+                side(plan, sheet, BACKS, Face::Front);
+                resolve(plan, sheet, need);
+            }
+        }
+    }
+
+    /// Fetches that one comparison takes.
+    pub(crate) fn fetches(self) -> u32 {
+        match self {
+            Self::Resolved | Self::TwoPasses => 1,
+            Self::Sampled => 2,
+        }
+    }
+}
+
+/// The nearest fronts and backs in two channels, in one pass a map.
+fn faces(plan: &mut ShadowPlan, sheet: &Sheet) {
+    let format = TextureFormat::Rg32Float;
+    plan.textures.push(texture(FACES, format, sheet.size));
+    plan.needs.push(umbrage_shadow::Need {
+        features: Features::FLOAT32_BLENDABLE,
+        instead: "`midpoint_two_passes` on the axis `depth`".to_owned(),
+    });
+    plan.passes.extend(sheet.maps.iter().map(|map| {
+        Pass::Casters(CasterPass {
+            shader: "caster_faces".to_owned(),
+            depth: None,
+            color: Some(ColorTarget {
+                texture: FACES.to_owned(),
+                channels: ColorWrites::RED | ColorWrites::GREEN,
+                blend: Blend::Max,
+            }),
+            ..casters(map, FACES)
+        })
+    }));
+}
+
+/// The nearest faces of one side as a depth map.
+fn side(plan: &mut ShadowPlan, sheet: &Sheet, target: &str, cull: Face) {
+    plan.textures.push(texture(target, DEPTH, sheet.size));
+    for (number, map) in sheet.maps.iter().enumerate() {
+        let mut pass = casters(map, target);
+        pass.cull = Some(cull);
+        // The whole texture is cleared once.
+        if let Some(depth) = pass.depth.as_mut().filter(|_| number > 0) {
+            depth.clear = None;
+        }
+        plan.passes.push(Pass::Casters(pass));
+    }
+}
+
+/// A depth map of what was drawn.
+fn resolve(plan: &mut ShadowPlan, sheet: &Sheet, need: Need) {
+    plan.textures.push(texture(MAP, DEPTH, sheet.size));
+    plan.samplers.push(comparison());
+    plan.passes.extend(sheet.maps.iter().map(|map| {
+        let margin = Margin::of(map, need).value();
+        Pass::Screen(ScreenPass {
+            shader: "midpoint".to_owned(),
+            target: MAP.to_owned(),
+            viewport: map.tile,
+            reads: Reads {
+                constants: Constants::new().with("margin", margin),
+                ..Reads::default()
+            },
+        })
+    }));
+}
+
+/// What resolves while sampling.
+fn sample(plan: &mut ShadowPlan, sheet: &Sheet, need: Need) {
+    plan.samplers.push(SamplerDesc {
+        name: "faces_sampler".to_owned(),
+        filter: FilterMode::Nearest,
+        compare: None,
+    });
+    let [width, height] = sheet.size;
+    let tiles = sheet.maps.first().map_or(Vec2::ONE, |map| {
+        Vec2::new(
+            (width / map.tile.width) as f32,
+            (height / map.tile.height) as f32,
+        )
+    });
+    let margin = |i: usize| {
+        let map = sheet.maps.get(i);
+        map.map_or(Margin::NONE, |map| Margin::of(map, need))
+            .value()
+    };
+    let margins = (0..MAX_SPLITS).map(margin).collect();
+    plan.constants = std::mem::take(&mut plan.constants)
+        .with("midpoint_tiles", Value::Vec2(tiles))
+        .with("midpoint_margins", Value::Array(margins));
+}
+
+/// How far behind the first surface a map holds it, in texels' widths: the shader's struct of this name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Margin {
+    /// A texel's width as depth is x + y · depth.
+    texel: DVec2,
+    bias: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Margin {
+    /// Where there is no map.
+    const NONE: Self = Self {
+        texel: DVec2::ZERO,
+        bias: 0.0,
+        least: 0.0,
+        most: 0.0,
+    };
+
+    fn of(map: &Map, need: Need) -> Self {
+        let bias = map.bias;
+        Self {
+            texel: bias.texel,
+            bias: bias.texels,
+            least: match need.plane {
+                true => LEAST + bias.rounding,
+                false => bias.texels,
+            },
+            most: need.reach.max(bias.texels),
+        }
+    }
+
+    fn value(self) -> Value {
+        let members = Constants::new()
+            .with("texel", Value::Vec2(self.texel.as_vec2()))
+            .with("bias", Value::F32(self.bias as f32))
+            .with("least", Value::F32(self.least as f32))
+            .with("most", Value::F32(self.most as f32));
+        Value::Struct(members)
+    }
+}
+
+/// What a map holds, on the CPU: an oracle's rule, in the terms of its settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MidpointTwin {
+    /// The setting `depth_bias`, texels.
+    pub depth_bias: f64,
+    /// The filter's width, texels.
+    pub width: u32,
+    /// Whether `receiver_bias` is `plane`.
+    pub receiver_plane: bool,
+}
+
+impl MidpointTwin {
+    /// The depth (reversed, 0..1) that a texel holds where the nearest face turned to the light is at the depth `front`
+    /// and the nearest one turned away at `back`, 0 for none. `texel` is a texel's width, as depth, about a depth. What
+    /// rounding may be is left out.
+    pub fn depth(self, front: f64, back: f64, texel: impl Fn(f64) -> f64) -> f64 {
+        let first = front.max(back);
+        let width = texel(first);
+        let room = 0.5 * (front - back);
+        let least = if self.receiver_plane {
+            LEAST
+        } else {
+            self.depth_bias
+        };
+        let has_inside = back > 0.0 && room >= least * width;
+        let margin = if has_inside {
+            let most = (0.5 * f64::from(self.width) + 0.5).max(self.depth_bias);
+            room.min(most * width)
+        } else {
+            self.depth_bias * width
+        };
+        (first - margin).max(0.0)
+    }
+}
