@@ -183,12 +183,14 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
+            "caster_faces" => Some("basic"),
             _ => None,
         };
         let key = match caster_of {
             Some(method) => {
                 let choices = key.choices().filter(|(axis, _)| *axis != "method");
-                let key = library.key(choices.chain([("method", method)]));
+                let depth = (pass == "caster_faces").then_some(("depth", "midpoint"));
+                let key = library.key(choices.chain([("method", method)]).chain(depth));
                 key.expect("a caster under a method")
             }
             None => key.clone(),
@@ -216,7 +218,8 @@ impl Studio {
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let methods_own = ["caster", "caster_depth", "linear_depth"].contains(&pass);
+        let methods_own =
+            ["caster", "caster_depth", "caster_faces", "linear_depth"].contains(&pass);
         let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();

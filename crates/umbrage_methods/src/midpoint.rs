@@ -5,7 +5,7 @@
 //! is `methods/midpoint.wesl`; [`MidpointTwin`] is the same rule on the CPU.
 //!
 //! # How it works
-//! - `midpoint`: one pass without a depth texture ([Kayamon 2011]): fronts write their depth into one channel, backs
+//! - `midpoint`: one pass without a depth texture (Kayamon 2011, "Single-pass midpoint shadow maps"): fronts write their depth into one channel, backs
 //!   into another, and blending keeps the larger one (reversed depth: the nearest) of each. A full-screen pass over each
 //!   tile then makes a depth map of the two, which is read as any other.
 //! - `midpoint_sampled`: the same pass, and no depth map: each fetch's four texels are resolved as they are compared.
@@ -16,22 +16,31 @@
 //! with it.
 //!
 //! # What a map holds
-//! With f and b the nearest front and back along a texel's ray, as depths:
+//! With f and b the nearest front and the nearest back along a texel's ray:
 //!
-//! - Where b is behind f, by more than `2 · least`: the middle of f and b, but no more than `most` behind f.
-//! - Elsewhere the nearer one of the two, whichever it is, moved away from the light by `bias`. So it is for meshes that
-//!   are open, leaves without thickness, faces that are inside out, and all that has no back: they need the bias, and get
-//!   it as a receiver would with `nearest`; the picture is the same.
+//! - Where b is behind f by 2 · `least` or more, there is an inside: the middle of f and b, but no more than `most`
+//!   behind f.
+//! - Elsewhere the nearer one of the two, whichever it is, moved away from the light by `bias`. So it is for open meshes,
+//!   leaves without thickness, faces that are inside out, and all else that has no back. They need a bias, and what they
+//!   get is what receivers get with `nearest`: their shadows are the same.
 //!
-//! So the map holds the bias, and receivers are compared at their own depth, but for what a wide filter needs: the receiver's
-//! plane is followed, and each fetch's depth leans a texel over it, as in [`crate::basic`].
+//! So the map holds the bias, and receivers are compared at their own depth, but for what a filter asks of any map: the
+//! depth compared follows the receiver's plane, and each fetch's leans a texel over it, as in [`crate::basic`].
 //!
-//! `bias` is the setting `depth_bias` and what rounding may be. `least` is what a plane needs against its own map
-//! where the shader follows it: the rasteriser's grid at the steepest slope that is followed, 19 · √2 / 512 texels,
-//! is less than a 16th, and rounding comes to it. Under `receiver_bias` `constant` nothing is followed, and `least` is
-//! `bias`. `most` is the filter's reach, (W + 1) / 2 texels, or `bias` where that is more: a facet at 45° to the receiver's
-//! plane is no nearer to the light than that where the filter ends, and what is stored deeper holds off nothing, but
-//! lets light in: see below.
+//! `bias` is the setting `depth_bias`, and what rounding may be. The other two follow from what a surface needs against
+//! its own map, in texels' widths:
+//!
+//! | `receiver_bias` | `least` | `most`, and `bias` at the least |
+//! | --- | --- | --- |
+//! | `plane` | 1/16, and rounding | 1.5 |
+//! | `constant` | `bias` | 19 · (W + 1) / 2 |
+//!
+//! A plane that is followed needs what the rasteriser's grid displaces it by: at a slope of 19, the steepest that is
+//! followed, 19 · √2 / 512, less than a 16th. What else there is to cover, facets that are steeper than the plane that is
+//! followed, the default `depth_bias` of 1.5 is enough for (see [`crate::basic`]). To lie deeper holds off no more shade,
+//! but lets in light; so nothing is held deeper than `nearest` with its default would have it, and what is thinner
+//! than that is held less deep. Where no plane is followed, the middle is all that holds off a slope: up to 19 over the
+//! (W + 1) / 2 texels that the filter reaches.
 //!
 //! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth
 //! is A + B / d, and it is the harmonic mean of the distances, 2 d₁ d₂ / (d₁ + d₂): between the two as well, and nearer to
@@ -44,18 +53,21 @@
 //! one of `nearest`.
 //!
 //! # Limits
-//! The nearest front and the nearest back may be of different bodies. Of closed bodies that is harmless: the nearest
-//! back is then of a body that begins inside of the first, and the middle lies in both, or before the second. An open mesh
-//! above a closed body is not: its middle with that body's back may lie behind the body's front, which is then lit
-//! in the open mesh's shadow. Thence `most`: this can only be where the two are nearer to each other than
-//! `most`, which no more than doubles what `depth_bias` does by default.
+//! The nearest front and the nearest back may be of different bodies. Of closed bodies that is harmless: a body whose
+//! back comes before the first body's begins within that, so that the middle lies inside of the first. An open mesh
+//! before a closed body is not harmless: the middle of its front and that body's back may lie behind that body's front, which
+//! would then be lit in the open mesh's shadow. `most` bounds it: with `plane`, by what the bias of `nearest` does there.
 //!
-//! A closed body that is inside out has its back before its front: it is biased as an open one. A curved, hollow shell
-//! that is thinner than twice what its curvature needs under the filter shades itself; give such bodies one side.
+//! What a receiver is raised by to follow its plane takes from the half thickness of a thin body, as it takes from
+//! the whole with `nearest`: steep receivers are as detached with the one as with the other. In the hard case `contact`
+//! (2 cm under texels of 8 mm) 0.19 % of the picture is falsely lit, with `nearest` 0.23 %; it would be 0.25 % with
+//! middles at any depth, and 0.28 % if they were no less than `bias` deep besides.
+//!
+//! Under `constant`, a body shades itself where it ends in an edge on the side away from the light: there it is thin.
+//! A closed body that is inside out has its back before its front, and is biased as an open one. A hollow of a body
+//! that is thinner than its curvature needs under the filter shades itself: model it with one side.
 //!
 //! Point lights are not supported, nor are lookups of [`crate::pssm`] with a texture for each split.
-//!
-//! [Kayamon 2011]: https://web.archive.org/web/2011/http://www.kayamon.com/
 
 use glam::{DVec2, Vec2};
 use umbrage_shadow::{
@@ -76,6 +88,12 @@ const BACKS: &str = "back_faces";
 /// What a plane needs between itself and its own map where it is followed, in texels' widths.
 const LEAST: f64 = 1.0 / 16.0;
 
+/// What is enough there for all else: the default `depth_bias`.
+const MOST: f64 = 1.5;
+
+/// The shader's constant of this name: the slope up to which a receiver's plane is followed.
+const STEEPEST: f64 = 19.0;
+
 /// Where the middle is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Midpoint {
@@ -91,6 +109,17 @@ pub(crate) struct Need {
     pub reach: f64,
     /// Whether what is compared follows the receiver's plane.
     pub plane: bool,
+}
+
+impl Need {
+    /// The least that there is to be between a surface and its middle, and the most that is of use, in texels' widths.
+    fn bounds(self, bias: f64) -> (f64, f64) {
+        let (least, most) = match self.plane {
+            true => (LEAST, MOST),
+            false => (bias, STEEPEST * self.reach),
+        };
+        (least, most.max(bias))
+    }
 }
 
 impl Midpoint {
@@ -222,14 +251,12 @@ impl Margin {
 
     fn of(map: &Map, need: Need) -> Self {
         let bias = map.bias;
+        let (least, most) = need.bounds(bias.texels);
         Self {
             texel: bias.texel,
             bias: bias.texels,
-            least: match need.plane {
-                true => LEAST + bias.rounding,
-                false => bias.texels,
-            },
-            most: need.reach.max(bias.texels),
+            least: least + bias.rounding,
+            most,
         }
     }
 
@@ -259,21 +286,19 @@ impl MidpointTwin {
     /// and the nearest one turned away at `back`, 0 for none. `texel` is a texel's width, as depth, about a depth. What
     /// rounding may be is left out.
     pub fn depth(self, front: f64, back: f64, texel: impl Fn(f64) -> f64) -> f64 {
+        let need = Need {
+            reach: 0.5 * f64::from(self.width) + 0.5,
+            plane: self.receiver_plane,
+        };
+        let (least, most) = need.bounds(self.depth_bias);
         let first = front.max(back);
         let width = texel(first);
         let room = 0.5 * (front - back);
-        let least = if self.receiver_plane {
-            LEAST
-        } else {
-            self.depth_bias
-        };
-        let has_inside = back > 0.0 && room >= least * width;
-        let margin = if has_inside {
-            let most = (0.5 * f64::from(self.width) + 0.5).max(self.depth_bias);
+        let behind = if back > 0.0 && room >= least * width {
             room.min(most * width)
         } else {
             self.depth_bias * width
         };
-        (first - margin).max(0.0)
+        (first - behind).max(0.0)
     }
 }
