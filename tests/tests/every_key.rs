@@ -51,7 +51,8 @@ fn manifests() -> Vec<PathBuf> {
     paths
 }
 
-/// The keys of all manifests, one for each distinct permutation.
+/// The keys of all manifests, one for each distinct permutation, and for each depth that it may read: that is what other
+/// passes draw, and no part of the permutation.
 fn permutations(composer: &Composer) -> Vec<Key> {
     let mut distinct = BTreeMap::new();
     for path in manifests() {
@@ -60,7 +61,11 @@ fn permutations(composer: &Composer) -> Vec<Key> {
             let projected = composer
                 .project(key)
                 .unwrap_or_else(|error| panic!("{error}"));
-            distinct.entry(projected).or_insert_with(|| key.clone());
+            let depth = composer.library().axes().value(key, "depth");
+            let depth = depth.unwrap_or("").to_owned();
+            distinct
+                .entry((projected, depth))
+                .or_insert_with(|| key.clone());
         }
     }
     distinct.into_values().collect()
