@@ -104,14 +104,19 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
-    /// Whether it can be of a cube.
+    /// Whether a cube map can be read so.
     pub(crate) fn check_cube(self) -> Result<(), PlanError> {
-        PlanError::check(
-            self.is_plain(),
-            "how a point light's cube map is read",
-            "chosen by the axes `depth` and `filter`",
-            "`nearest` and `pcf`, which are all that there is for cubes: choose them",
-        )
+        let depth = name_of(self.depth, &Self::DEPTHS);
+        let filter = name_of(self.filter, &Self::FILTERS);
+        for (axis, plain, value) in [("depth", "nearest", depth), ("filter", "pcf", filter)] {
+            PlanError::check(
+                value == plain,
+                &format!("the axis `{axis}`"),
+                value,
+                &format!("{plain} under a point light, whose cube map knows no other"),
+            )?;
+        }
+        Ok(())
     }
 
     /// By what a receiver's depth in a map is raised before it is compared: x + y · depth.
@@ -157,6 +162,12 @@ impl Reading {
             plane: self.plane,
         }
     }
+}
+
+/// What a choice is called.
+fn name_of<T: PartialEq>(choice: T, known: &[(&'static str, T)]) -> &'static str {
+    let found = known.iter().find(|(_, known)| *known == choice);
+    found.map_or("unknown", |(name, _)| *name)
 }
 
 /// The nearest depths, and the hardware's comparison.
