@@ -5,15 +5,15 @@
 //! is `methods/midpoint.wesl`; [`MidpointTwin`] is the same rule on the CPU.
 //!
 //! # How it works
-//! - `midpoint`: one pass without a depth texture (Kayamon 2011, "Single-pass midpoint shadow maps"): fronts write their depth into one channel, backs
-//!   into another, and blending keeps the larger one (reversed depth: the nearest) of each. A full-screen pass over each
-//!   tile then makes a depth map of the two, which is read as any other.
+//! - `midpoint`: one pass without a depth texture (Kayamon 2011, "Single-pass midpoint shadow maps"). Fronts write their
+//!   depth into one channel, backs into another, and blending keeps the larger one (reversed depth: the nearest) of
+//!   each. A full-screen pass over each tile then makes a depth map of the two, which is read as any other.
 //! - `midpoint_sampled`: the same pass, and no depth map: each fetch's four texels are resolved as they are compared.
 //! - `midpoint_two_passes`: fronts into one depth map, backs into another, and the full-screen pass. It asks for no
-//!   feature of the device.
+//!   feature of the device, where the others blend 32-bit floats (`float32-blendable`).
 //!
-//! All three give one picture. Mirrored transforms turn a triangle's winding; the renderer turns what counts as front
-//! with it.
+//! All three give one picture, up to the weights of a bilinear blend. A mirrored transform turns its triangles' winding; the
+//! renderer turns what counts as front with it.
 //!
 //! # What a map holds
 //! With f and b the nearest front and the nearest back along a texel's ray:
@@ -44,8 +44,9 @@
 //!
 //! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth
 //! is A + B / d, and it is the harmonic mean of the distances, 2 d₁ d₂ / (d₁ + d₂): between the two as well, and nearer to
-//! the front, by a share of (d₂ − d₁) / (d₂ + d₁) of half the thickness, where texels are narrower too. An f32 holds
-//! reversed depth to 6e-8 of itself, so the sum of two is exact to a unit in the last place of either.
+//! the front, by a share of (d₂ − d₁) / (d₂ + d₁) of half the thickness. Reversed depth in f32 is exact to 6e-8 of itself,
+//! and half of a sum of two to half a unit in the last place: wherever front and back can be told apart by more than `least`,
+//! what is held lies between them.
 //!
 //! # Cost
 //! Per map's texel 12 bytes, or 8 sampled, where `nearest` has 4. `midpoint` draws casters once without early depth
