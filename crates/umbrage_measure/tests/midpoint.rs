@@ -8,14 +8,14 @@ use umbrage_compose::{Composer, Library, Target};
 use umbrage_measure::{
     cases::{self, Case, Limits},
     figures::Figures,
-    study::{Lab, stress},
+    study::{Config, Lab, stress},
 };
 use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
 
 use common::renderer;
 
-type Axes<'a> = &'a [(&'static str, &'static str)];
-type Settings<'a> = &'a [(&'static str, f64)];
+type Axes<'a> = &'a [(&'a str, &'a str)];
+type Settings<'a> = &'a [(&'a str, f64)];
 
 const NEAREST: (&str, &str) = ("depth", "nearest");
 const VARIANTS: [&str; 3] = ["midpoint", "midpoint_sampled", "midpoint_two_passes"];
@@ -45,13 +45,27 @@ fn lab() -> Lab {
 
 /// How `basic` errs in a case, chosen so.
 fn errors(lab: &mut Lab, case: &Case, axes: Axes<'_>, settings: Settings<'_>) -> Figures {
-    let mut case = case.clone();
-    case.axes.extend(axes.iter().copied());
-    case.settings.extend(settings.iter().copied());
     let limits = Limits::built_in().expect("a sound table");
-    let methods = ["basic".to_owned()];
-    let stressed = stress(lab, &methods, &[case], &limits, None, &()).expect("measured");
+    let variant = Config {
+        name: "basic".to_owned(),
+        method: "basic".to_owned(),
+        axes: named(axes),
+        settings: set(settings),
+        ..Config::default()
+    };
+    let cases = std::slice::from_ref(case);
+    let stressed = stress(lab, &[variant], cases, &limits, None, &()).expect("measured");
     stressed.results[0].figures.clone()
+}
+
+fn named(axes: Axes<'_>) -> BTreeMap<String, String> {
+    let axes = axes.iter().copied();
+    axes.map(|(a, v)| (a.to_owned(), v.to_owned())).collect()
+}
+
+fn set(settings: Settings<'_>) -> BTreeMap<String, f64> {
+    let settings = settings.iter().copied();
+    settings.map(|(s, v)| (s.to_owned(), v)).collect()
 }
 
 fn contact() -> Case {
@@ -75,15 +89,13 @@ fn terms(
     axes: Axes<'_>,
     settings: Settings<'_>,
 ) -> Vec<f32> {
-    let named = |(name, value): &(&str, &str)| ((*name).to_owned(), (*value).to_owned());
-    let set = |(name, value): &(&str, f64)| ((*name).to_owned(), *value);
     let options = RenderOptions {
         width: 256,
         height: 144,
         what: What::ShadowTerm,
         method: Some("basic".to_owned()),
-        axes: axes.iter().map(named).collect(),
-        settings: settings.iter().map(set).collect(),
+        axes: named(axes),
+        settings: set(settings),
         ..RenderOptions::default()
     };
     match renderer.render(scene, &options).expect("renders").picture {

@@ -60,10 +60,12 @@ pub(crate) struct Map {
 pub(crate) struct Reading {
     depth: Depth,
     filter: Filter,
-    /// The filter's width, texels: the axis `pcf`.
+    /// The filter's width in the first map, texels: the axis `pcf`.
     pub width: u32,
     /// Whether what is compared follows the receiver's plane: the axis `receiver_bias`.
     plane: bool,
+    /// Whether it is two texels less from map to map.
+    pub taper: bool,
 }
 
 /// The axis `depth`.
@@ -95,6 +97,7 @@ impl Reading {
             filter: job::choice(frame, "filter", &Self::FILTERS)?,
             width: job::filter_width(frame)?,
             plane: job::axis(frame, "receiver_bias") == "plane",
+            taper: false,
         })
     }
 
@@ -137,14 +140,20 @@ impl Reading {
         match self.filter {
             Filter::Pcf => {}
         }
-        plan.fetches_per_pixel += self.fetches();
+        plan.fetches_per_pixel += self.fetches(0);
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
     }
 
-    /// The most fetches that one question takes.
-    fn fetches(self) -> u32 {
+    /// The filter's width in a map, texels, by the map's number.
+    pub(crate) fn width_of(self, map: usize) -> u32 {
+        let narrower = if self.taper { 2 * map as u32 } else { 0 };
+        self.width.saturating_sub(narrower).max(1)
+    }
+
+    /// The most fetches that one question to a map takes, by the map's number.
+    pub(crate) fn fetches(self, map: usize) -> u32 {
         match self.filter {
-            Filter::Pcf => self.width.div_ceil(2).pow(2) * self.fetches_a_comparison(),
+            Filter::Pcf => self.width_of(map).div_ceil(2).pow(2) * self.fetches_a_comparison(),
         }
     }
 

@@ -60,6 +60,7 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
         },
         settings: &Settings::check(method.settings(), []).expect("defaults"),
         axes: &axes.map(|(a, v)| (a.to_owned(), v.to_owned())).into(),
+        seen: None,
     })
 }
 
