@@ -9,6 +9,7 @@ use glam::{DMat4, DVec2, DVec3, Vec2};
 use umbrage::{
     methods::{
         basic_twin::BasicTwin,
+        midpoint::MidpointTwin,
         pssm_twin::{Choice, PssmTwin},
     },
     shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
@@ -39,6 +40,8 @@ pub struct Oracle<'a> {
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
     twin: Option<Twin>,
+    /// What maps hold where it is not the nearest depth.
+    midpoint: Option<MidpointTwin>,
     /// The least and greatest depth of the map's texels that were asked for.
     texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
@@ -58,6 +61,16 @@ struct Triangle {
     object: usize,
     /// Its place in the object's mesh.
     number: usize,
+    /// Unit: where its front looks.
+    normal: DVec3,
+}
+
+/// Which faces a ray may hit.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Either,
+    Front,
+    Back,
 }
 
 pub(crate) struct Hit {
@@ -82,8 +95,12 @@ impl<'a> Oracle<'a> {
                         .transform_point3(mesh.positions[indices[i] as usize].as_dvec3())
                 };
                 let uv = |i: usize| mesh.uvs[indices[i] as usize];
+                let [a, b, c] = [corner(0), corner(1), corner(2)];
+                // A mirror turns the winding, and not the front.
+                let turned = instance.transform.matrix3.determinant().signum();
                 triangles.push(Triangle {
-                    corners: [corner(0), corner(1), corner(2)],
+                    corners: [a, b, c],
+                    normal: turned * (b - a).cross(c - a).normalize(),
                     uvs: [uv(0), uv(1), uv(2)],
                     object,
                     number,
@@ -92,8 +109,8 @@ impl<'a> Oracle<'a> {
         }
         let view = scene.camera.view(width, height);
         let light = &scene.lights.first()?;
-        let (plan, twin) = match &light.shadow {
-            None => (ShadowPlan::default(), None),
+        let (plan, twin, midpoint) = match &light.shadow {
+            None => (ShadowPlan::default(), None, None),
             Some(shadow) => {
                 let method = registry.get(&shadow.method).ok()?;
                 let chosen = shadow
@@ -130,13 +147,22 @@ impl<'a> Oracle<'a> {
                         lookup: axes.get("lookup")?.clone(),
                         taper: axes.get("taper")? == "on",
                         transition: axes.get("transition")?.clone(),
+                        depth: axes.get("depth")?.clone(),
                         band: settings.get("band"),
                     };
                     Twin::Pssm(PssmTwin::new(&plan, width, plane, choice)?)
                 } else {
                     Twin::Basic(BasicTwin::new(&plan, width, plane)?)
                 };
-                (plan, Some(twin))
+                let midpoint = axes
+                    .get("depth")?
+                    .starts_with("midpoint")
+                    .then_some(MidpointTwin {
+                        depth_bias: settings.get("depth_bias"),
+                        width,
+                        receiver_plane: plane,
+                    });
+                (plan, Some(twin), midpoint)
             }
         };
         Some(Self {
@@ -145,6 +171,7 @@ impl<'a> Oracle<'a> {
             triangles,
             plan,
             twin,
+            midpoint,
             texels: RefCell::default(),
         })
     }
@@ -286,7 +313,7 @@ impl<'a> Oracle<'a> {
         let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
         let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
         let (start, direction) = ray(self.view.view_proj_relative(), ndc);
-        let hit = self.cast(self.view.position + start, direction);
+        let hit = self.cast(self.view.position + start, direction, Side::Either);
         let hit = hit.ok_or(Pixel::Background)?;
         if hit.margin < 0.02 {
             return Err(Pixel::Edge);
@@ -327,8 +354,8 @@ impl<'a> Oracle<'a> {
                 (number == layer as usize).then_some(pass)
             }
             (Pass::Casters(pass), _) => {
-                let own = pass.depth.as_ref().map(|depth| depth.layer);
-                (own == Some(layer)).then_some(pass)
+                let own = pass.depth.as_ref().map_or(0, |depth| depth.layer);
+                (own == layer).then_some(pass)
             }
             _ => None,
         });
@@ -336,18 +363,35 @@ impl<'a> Oracle<'a> {
         let Some(pass) = pass else { return 0.0 };
         let at = place / f64::from(pass.viewport.width);
         let matrix = pass.view_proj.as_dmat4();
-        let (start, direction) = ray(matrix, DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y));
-        let hit = self.cast(self.view.position + start, direction);
-        let depth = hit.map(|hit| matrix.project_point3(start + direction * hit.distance).z);
-        depth
-            .filter(|depth| (0.0..=1.0).contains(depth))
-            .unwrap_or(0.0) as f32
+        let ndc = DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y);
+        let (start, direction) = ray(matrix, ndc);
+        let nearest = |side| {
+            let hit = self.cast(self.view.position + start, direction, side);
+            let depth = hit.map(|hit| matrix.project_point3(start + direction * hit.distance).z);
+            depth
+                .filter(|depth| (0.0..=1.0).contains(depth))
+                .unwrap_or(0.0)
+        };
+        let depth = match self.midpoint {
+            None => nearest(Side::Either),
+            Some(midpoint) => midpoint.depth(nearest(Side::Front), nearest(Side::Back), |depth| {
+                texel_width(matrix, ndc.extend(depth), pass.viewport.width)
+            }),
+        };
+        depth as f32
     }
 
     /// The first solid hit on the ray's way.
-    fn cast(&self, start: DVec3, direction: DVec3) -> Option<Hit> {
+    fn cast(&self, start: DVec3, direction: DVec3, side: Side) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         for (index, triangle) in self.triangles.iter().enumerate() {
+            let seen = match triangle.normal.dot(direction) < 0.0 {
+                true => Side::Front,
+                false => Side::Back,
+            };
+            if side != Side::Either && side != seen {
+                continue;
+            }
             let [a, b, c] = triangle.corners;
             // Möller and Trumbore 1997.
             let (ab, ac) = (b - a, c - a);
@@ -390,6 +434,21 @@ impl<'a> Oracle<'a> {
         }
         nearest
     }
+}
+
+/// How much the depth differs over the longer side of a texel at `ndc` of a map `size` texels along, laid along
+/// the light's axis.
+fn texel_width(matrix: DMat4, ndc: DVec3, size: u32) -> f64 {
+    // Of a whole.
+    const SMALL: f64 = 1e-6;
+    let inverse = matrix.inverse();
+    let middle = inverse.project_point3(ndc);
+    let step = |by: DVec3| inverse.project_point3(ndc + by) - middle;
+    let texel = 2.0 / f64::from(size);
+    let (across, down) = (step(DVec3::X * texel), step(DVec3::Y * texel));
+    let axis = across.cross(down).normalize();
+    let deep = step(DVec3::Z * SMALL).dot(axis).abs() / SMALL;
+    across.length().max(down.length()) / deep
 }
 
 /// The ray through `ndc`: where it starts (depth 1, the near plane) and its unit direction, in the

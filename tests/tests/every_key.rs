@@ -54,7 +54,8 @@ fn manifests() -> Vec<PathBuf> {
     paths
 }
 
-/// The keys of all manifests, one for each distinct permutation.
+/// The keys of all manifests, one for each distinct permutation, and for each depth that it may read: that is what other
+/// passes draw, and no part of the permutation.
 fn permutations(composer: &Composer) -> Vec<Key> {
     let mut distinct = BTreeMap::new();
     for path in manifests() {
@@ -63,7 +64,11 @@ fn permutations(composer: &Composer) -> Vec<Key> {
             let projected = composer
                 .project(key)
                 .unwrap_or_else(|error| panic!("{error}"));
-            distinct.entry(projected).or_insert_with(|| key.clone());
+            let depth = composer.library().axes().value(key, "depth");
+            let depth = depth.unwrap_or("").to_owned();
+            distinct
+                .entry((projected, depth))
+                .or_insert_with(|| key.clone());
         }
     }
     distinct.into_values().collect()
@@ -206,6 +211,7 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
+            "caster_faces" => Some("basic"),
             // They have what they work from for the sake of splits.
             "depth_range" | "region" => Some("pssm"),
             _ => None,
@@ -213,7 +219,11 @@ impl Studio {
         let key = match caster_of {
             Some(method) => {
                 let choices = key.choices().filter(|(axis, _)| *axis != "method");
-                let depths = (pass == "depth_range").then_some(("range", "depths"));
+                let depths = match pass {
+                    "caster_faces" => Some(("depth", "midpoint")),
+                    "depth_range" => Some(("range", "depths")),
+                    _ => None,
+                };
                 let key = library.key(choices.chain([("method", method)]).chain(depths));
                 key.expect("a caster under a method")
             }
@@ -247,6 +257,7 @@ impl Studio {
         let methods_own = [
             "caster",
             "caster_depth",
+            "caster_faces",
             "haze",
             "linear_depth",
             "region",

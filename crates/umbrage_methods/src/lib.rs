@@ -8,6 +8,7 @@ pub mod basic;
 pub mod basic_twin;
 mod job;
 mod maps;
+pub mod midpoint;
 pub mod pssm;
 pub mod pssm_twin;
 mod twin_filter;

@@ -4,14 +4,17 @@
 //! and how they are asked about a receiver (the axis `filter`). None knows the others: a method hands a [`Sheet`]
 //! to [`Reading::add`], and its shader a place in a tile to `interface::filter`.
 
-use glam::DMat4;
+use glam::{DMat4, DVec2};
 use umbrage_shadow::{
     CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
     TextureShape, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::job;
+use crate::{
+    job::{self, Bias},
+    midpoint::{Midpoint, Need},
+};
 
 /// The binding of the texture that holds the maps' depths.
 pub(crate) const MAP: &str = "shadow_map";
@@ -48,6 +51,8 @@ pub(crate) struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
+    /// What keeps its receivers from shading themselves.
+    pub bias: Bias,
 }
 
 /// How maps are read: which depth they hold, and how they are asked.
@@ -57,6 +62,8 @@ pub(crate) struct Reading {
     filter: Filter,
     /// The filter's width in the first map, texels: the axis `pcf`.
     pub width: u32,
+    /// Whether what is compared follows the receiver's plane: the axis `receiver_bias`.
+    plane: bool,
     /// Whether it is two texels less from map to map.
     pub taper: bool,
 }
@@ -64,6 +71,7 @@ pub(crate) struct Reading {
 /// The axis `depth`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Depth {
+    Midpoint(Midpoint),
     Nearest,
 }
 
@@ -74,7 +82,12 @@ enum Filter {
 }
 
 impl Reading {
-    const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
+    const DEPTHS: [(&'static str, Depth); 4] = [
+        ("midpoint", Depth::Midpoint(Midpoint::Resolved)),
+        ("midpoint_sampled", Depth::Midpoint(Midpoint::Sampled)),
+        ("midpoint_two_passes", Depth::Midpoint(Midpoint::TwoPasses)),
+        ("nearest", Depth::Nearest),
+    ];
     const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
 
     /// That of a frame.
@@ -83,6 +96,7 @@ impl Reading {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
             filter: job::choice(frame, "filter", &Self::FILTERS)?,
             width: job::filter_width(frame)?,
+            plane: job::axis(frame, "receiver_bias") == "plane",
             taper: false,
         })
     }
@@ -93,9 +107,34 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
+    /// Whether a cube map can be read so.
+    pub(crate) fn check_cube(self) -> Result<(), PlanError> {
+        let depth = name_of(self.depth, &Self::DEPTHS);
+        let filter = name_of(self.filter, &Self::FILTERS);
+        for (axis, plain, value) in [("depth", "nearest", depth), ("filter", "pcf", filter)] {
+            PlanError::check(
+                value == plain,
+                &format!("the axis `{axis}`"),
+                value,
+                &format!("{plain} under a point light, whose cube map knows no other"),
+            )?;
+        }
+        Ok(())
+    }
+
+    /// By what a receiver's depth in a map is raised before it is compared: x + y · depth.
+    pub(crate) fn raise(self, bias: &Bias) -> DVec2 {
+        match self.depth {
+            // The map itself holds it.
+            Depth::Midpoint(_) => DVec2::ZERO,
+            Depth::Nearest => bias.raise,
+        }
+    }
+
     /// Adds to `plan` what fills the maps, and what the filter reads.
     pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
         match self.depth {
+            Depth::Midpoint(midpoint) => midpoint.add(plan, sheet, self.need()),
             Depth::Nearest => nearest(plan, sheet),
         }
         match self.filter {
@@ -114,9 +153,30 @@ impl Reading {
     /// The most fetches that one question to a map takes, by the map's number.
     pub(crate) fn fetches(self, map: usize) -> u32 {
         match self.filter {
-            Filter::Pcf => self.width_of(map).div_ceil(2).pow(2),
+            Filter::Pcf => self.width_of(map).div_ceil(2).pow(2) * self.fetches_a_comparison(),
         }
     }
+
+    fn fetches_a_comparison(self) -> u32 {
+        match self.depth {
+            Depth::Midpoint(midpoint) => midpoint.fetches(),
+            Depth::Nearest => 1,
+        }
+    }
+
+    /// How far a surface has to be behind its own middle.
+    fn need(self) -> Need {
+        Need {
+            reach: 0.5 * f64::from(self.width) + 0.5,
+            plane: self.plane,
+        }
+    }
+}
+
+/// What a choice is called.
+fn name_of<T: PartialEq>(choice: T, known: &[(&'static str, T)]) -> &'static str {
+    let found = known.iter().find(|(_, known)| *known == choice);
+    found.map_or("unknown", |(name, _)| *name)
 }
 
 /// The nearest depths, and the hardware's comparison.

@@ -32,6 +32,8 @@ pub struct Choice {
     pub taper: bool,
     /// The axis `transition`.
     pub transition: String,
+    /// The axis `depth`.
+    pub depth: String,
     /// The setting `band`.
     pub band: f64,
 }
@@ -65,8 +67,20 @@ impl PssmTwin {
         let Value::Vec3(forward) = plan.constants.get("forward")? else {
             return None;
         };
-        let splits = plan.passes.iter().zip(crops).map(|(pass, crop)| {
-            let (Pass::Casters(pass), Value::Struct(crop)) = (pass, crop) else {
+        let drawn = plan.passes.iter().filter_map(|pass| match pass {
+            Pass::Casters(pass) => Some(pass),
+            _ => None,
+        });
+        // What a map holds may take several passes, the first of all maps first.
+        let mut drawn: Vec<_> = drawn.collect();
+        let first = drawn.first().map(|pass| pass.receivers)?;
+        let again = drawn
+            .iter()
+            .skip(1)
+            .position(|pass| pass.receivers == first);
+        drawn.truncate(again.map_or(drawn.len(), |number| number + 1));
+        let splits = drawn.into_iter().zip(crops).map(|(pass, crop)| {
+            let Value::Struct(crop) = crop else {
                 return None;
             };
             Some(Split {
@@ -130,7 +144,12 @@ impl PssmTwin {
             let place = self.splits[number].place(position_ws, DVec3::ZERO);
             u32::from(place.is_some())
         };
-        let filter = |number| inside(number) * self.width_of(number).div_ceil(2).pow(2);
+        let comparison = match self.choice.depth.as_str() {
+            "midpoint_sampled" => 2,
+            _ => 1,
+        };
+        let filter =
+            |number| inside(number) * self.width_of(number).div_ceil(2).pow(2) * comparison;
         match self.choice.lookup.as_str() {
             "matrix_texture" => 5 + filter(number),
             "weights" => (0..self.splits.len()).map(filter).sum(),

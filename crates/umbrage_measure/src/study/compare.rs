@@ -188,7 +188,7 @@ impl Run<'_> {
         moving: &[Subject<'_>],
         config: &Config,
     ) -> Result<Result<(Row, Pictures), String>, StudyError> {
-        if let (_, Some(reason)) = self.lab.lights(self.scene, &config.method)? {
+        if let (_, Some(reason)) = self.lab.lights(self.scene, config)? {
             return Ok(Err(reason));
         }
         let options = config.options(subject.size());

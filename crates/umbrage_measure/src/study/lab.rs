@@ -5,9 +5,9 @@ use std::{collections::BTreeMap, sync::Arc};
 use glam::Vec3;
 use umbrage_compose::{Composer, Library, Permutation};
 use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
-use umbrage_shadow::{Registry, Support};
+use umbrage_shadow::{LightKind, Registry, Support};
 
-use super::StudyError;
+use super::{Config, StudyError};
 use crate::{
     figures::{Figures, Sample, figures, flip},
     report::Pictures,
@@ -65,24 +65,51 @@ impl Lab {
         &self.adapter
     }
 
-    /// The lights of `scene` that `method` can shadow, by their places, and why it cannot shadow the first
+    /// The lights of `scene` that `config` can shadow, by their places, and why it cannot shadow the first
     /// of the others.
     pub(super) fn lights(
         &self,
         scene: &Scene,
-        method: &str,
+        config: &Config,
     ) -> Result<(Vec<usize>, Option<String>), StudyError> {
-        let method = self.registry.get(method).map_err(StudyError::Method)?;
+        let method = self
+            .registry
+            .get(&config.method)
+            .map_err(StudyError::Method)?;
         let (mut lights, mut refusal) = (Vec::new(), None);
         for (index, light) in scene.lights.iter().enumerate() {
-            match method.supports(&light.light) {
-                Support::Yes => lights.push(index),
-                Support::No(reason) => {
+            let supported = match method.supports(&light.light) {
+                Support::Yes => self.excluded(&light.light.kind, config),
+                Support::No(reason) => Some(reason),
+            };
+            match supported {
+                None => lights.push(index),
+                Some(reason) => {
                     refusal.get_or_insert(format!("light `{}`: {reason}", light.name));
                 }
             }
         }
         Ok((lights, refusal))
+    }
+
+    /// Why the shader library's rules exclude what is chosen for a method under a kind of light, where they do.
+    fn excluded(&self, kind: &LightKind, config: &Config) -> Option<String> {
+        if config.axes.is_empty() {
+            return None;
+        }
+        let kind = match kind {
+            LightKind::Directional { .. } => "directional",
+            LightKind::Spot { .. } => "spot",
+            LightKind::Point { .. } => "point",
+        };
+        let own = [
+            ("pass", "shadow_term"),
+            ("light", kind),
+            ("method", config.method.as_str()),
+        ];
+        let chosen = config.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
+        let key = self.library().key(own.into_iter().chain(chosen));
+        key.err().map(|error| error.to_string())
     }
 
     /// The scene as the rasteriser sees it, beside its truth.

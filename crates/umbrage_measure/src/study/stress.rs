@@ -195,7 +195,7 @@ impl<'a> Try<'a> {
         case: &Case,
         variant: &'a Config,
     ) -> Result<Result<(Vec<usize>, Self), String>, StudyError> {
-        let (lights, refusal) = lab.lights(&case.scene, &variant.method)?;
+        let (lights, refusal) = lab.lights(&case.scene, variant)?;
         if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
             return Ok(Err(reason));
         }

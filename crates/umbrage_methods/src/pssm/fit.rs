@@ -7,7 +7,7 @@ use umbrage_shadow::{
 
 use super::Lookup;
 use crate::{
-    job::{self, Boxes, NEAREST, PADDING},
+    job::{self, Bias, Boxes, NEAREST, PADDING},
     maps::Reading,
 };
 
@@ -63,7 +63,8 @@ pub(super) struct Split {
     pub scale: DVec3,
     pub offset: DVec3,
     /// A receiver's depth is raised by x + y · depth.
-    pub bias: DVec2,
+    pub raise: DVec2,
+    pub bias: Bias,
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
     pub casters: Vec<usize>,
@@ -121,8 +122,7 @@ impl Job {
                 self.around(&seen.rect, least, slice.inner)
             };
             let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
-            let shift = job::directional_shift(&seen, self.depth_bias, self.texel(&seen.rect));
-            let bias = DVec2::new(shift / (seen.far - seen.near), 0.0);
+            let bias = Bias::directional(&seen, self.depth_bias, self.texel(&seen.rect));
             self.split(&lens, slice.depths, &seen, casters, bias)
         };
         Ok(Splits {
@@ -153,9 +153,7 @@ impl Job {
             let nearest = seen.near;
             let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
             let texel = self.texel(&seen.rect);
-            let raise = job::perspective_raise(&seen, self.depth_bias, texel, nearest);
-            // One over the distance is (depth − A) / B.
-            let bias = DVec2::new(-raise * lens.depth_terms(seen.near, seen.far).x, raise);
+            let bias = Bias::perspective(&lens, &seen, self.depth_bias, texel, nearest);
             self.split(&lens, slice.depths, &seen, casters, bias)
         };
         Ok(Splits {
@@ -294,7 +292,7 @@ impl Job {
         depths: [f64; 2],
         seen: &Extent,
         casters: Vec<usize>,
-        bias: DVec2,
+        bias: Bias,
     ) -> Split {
         let Rect { min, max } = seen.rect;
         let across = f64::from(self.tile) / seen.rect.size();
@@ -305,6 +303,7 @@ impl Job {
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
+            raise: self.reading.raise(&bias),
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,

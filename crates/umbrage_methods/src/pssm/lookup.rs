@@ -141,7 +141,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
     };
     let fetches = (0..read).map(|split| job.lookup.fetches(job.reading, split));
     plan.fetches_per_pixel = fetches.sum();
-    plan.constants = constants(job, splits, &sheet);
+    plan.constants = constants(plan.constants, job, splits, &sheet);
     Ok(plan)
 }
 
@@ -225,11 +225,12 @@ fn map(split: &Split, tile: Viewport) -> Map {
         view_proj: split.view_proj,
         casters: split.casters.clone(),
         receivers: Some(split.depths),
+        bias: split.bias,
     }
 }
 
-/// The members of `PssmShadow`, for any lookup and transition.
-fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
+/// `before` and the members of `PssmShadow`, for any lookup and transition.
+fn constants(before: Constants, job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
     let columns = sheet.columns as f32;
     let texel = Vec2::from_array(sheet.size.map(|texels| 1.0 / texels as f32));
     let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
@@ -249,7 +250,7 @@ fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
         .splits
         .last()
         .map_or(f32::MIN, |last| last.depths[1] as f32);
-    Constants::new()
+    before
         .with("base", Value::Mat4(splits.base.as_mat4()))
         .with("forward", Value::Vec3(job.forward().as_vec3()))
         .with("reach", Value::F32(reach))
@@ -279,9 +280,9 @@ fn crops(splits: &Splits) -> Value {
 
 /// The two members of a `Crop`.
 fn crop(split: &Split) -> [Vec4; 2] {
-    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
     let place = DVec4::new(scale.x, scale.y, offset.x, offset.y);
-    let depth = DVec4::new(scale.z, offset.z, bias.x, bias.y);
+    let depth = DVec4::new(scale.z, offset.z, raise.x, raise.y);
     [place.as_vec4(), depth.as_vec4()]
 }
 
@@ -296,9 +297,9 @@ fn crop_columns(splits: &Splits, member: usize) -> Value {
 
 /// The rows from the world to a split's map, before the division, and what else a `SplitMap` holds.
 fn rows(base: &DMat4, split: &Split) -> [DVec4; MATRIX_ROWS as usize] {
-    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
     let row = |i: usize| base.row(i) * scale[i] + base.row(3) * offset[i];
-    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, bias.x, bias.y);
+    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, raise.x, raise.y);
     [row(0), row(1), row(2), base.row(3), rest]
 }
 
