@@ -22,7 +22,7 @@
 //! grid, 1/256 texel on most devices: at a slope of 19 that is 19 · √2 / 512 = 0.05 texels. What else it has to cover is that a curved receiver is no plane: a
 //! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
 //! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
-//! filter's width.
+//! filter's width. `filter` and `exponent` are [`crate::esm`]'s.
 //!
 //! # Cost
 //! One map and one pass; six passes for a cube. ((W + 1) / 2)² fetches a pixel for width W, W² from a
@@ -42,15 +42,16 @@ use umbrage_shadow::{
 };
 
 use crate::{
+    esm,
     job::{self, Boxes, NEAREST, PADDING},
-    maps::{self, DEPTH, MAP, Map, Reading, Sheet},
+    maps::{self, DEPTH, MAP, Map, Range, Reading, Sheet},
 };
 
 /// The method `basic`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Basic;
 
-const SETTINGS: [Setting; 2] = [
+const SETTINGS: [Setting; 3] = [
     Setting {
         name: "resolution",
         doc: "texels along each side of the map",
@@ -67,6 +68,7 @@ const SETTINGS: [Setting; 2] = [
         default: 1.5,
         whole: false,
     },
+    esm::EXPONENT,
 ];
 
 impl ShadowMethod for Basic {
@@ -217,6 +219,7 @@ impl Job {
                     view_proj: lens.matrix(&face, all.near, all.far),
                     casters: beam.casters,
                     receivers: None,
+                    range: Range::new(lens, &all, self.resolution),
                 };
                 let mut pass = maps::casters(&map, MAP);
                 if let Some(depth) = &mut pass.depth {
@@ -275,6 +278,7 @@ impl Job {
             view_proj: clip,
             casters,
             receivers: None,
+            range: Range::new(lens, seen, self.resolution),
         };
         let sheet = Sheet {
             size: [self.resolution; 2],

@@ -6,12 +6,15 @@
 
 use glam::DMat4;
 use umbrage_shadow::{
-    CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
-    TextureShape, Viewport,
+    CasterPass, DepthTarget, Extent, Frame, Lens, LightKind, Pass, PlanError, SamplerDesc,
+    ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::job;
+use crate::{
+    esm::{self, Esm},
+    job,
+};
 
 /// The binding of the texture that holds the maps' depths.
 pub(crate) const MAP: &str = "shadow_map";
@@ -48,10 +51,48 @@ pub(crate) struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
+    /// The distances that it holds.
+    pub range: Range,
+}
+
+/// What a map's depths stand for: distances from the light along its axis, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    /// Depth 1.
+    pub near: f64,
+    /// Depth 0.
+    pub far: f64,
+    /// Whether depth is linear in one over the distance, and not in the distance.
+    pub perspective: bool,
+    /// The width of a texel at the far end.
+    pub texel: f64,
+}
+
+impl Range {
+    /// That of a map of what is `seen`, with `side` texels.
+    pub(crate) fn new(lens: &Lens, seen: &Extent, side: u32) -> Self {
+        let perspective = lens.is_perspective();
+        let spread = if perspective { seen.far } else { 1.0 };
+        Self {
+            near: seen.near,
+            far: seen.far,
+            perspective,
+            texel: spread * seen.rect.size().max_element() / f64::from(side),
+        }
+    }
+
+    /// A depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far: A + B / d solved for d.
+    pub(crate) fn ratio(&self) -> f64 {
+        if self.perspective {
+            (self.far - self.near) / self.near
+        } else {
+            0.0
+        }
+    }
 }
 
 /// How maps are read: which depth they hold, and how they are asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     depth: Depth,
     filter: Filter,
@@ -66,22 +107,40 @@ enum Depth {
 }
 
 /// The axis `filter`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Filter {
     Pcf,
+    Esm(Esm),
 }
 
 impl Reading {
     const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
-    const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
+    const FILTERS: [(&'static str, Option<esm::Kind>); 4] = [
+        ("esm", Some(esm::Kind::Full)),
+        ("esm_half", Some(esm::Kind::Half)),
+        ("esm_log", Some(esm::Kind::Log)),
+        ("pcf", None),
+    ];
 
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
-        Ok(Self {
+        let width = job::filter_width(frame)?;
+        let reading = Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
-            filter: job::choice(frame, "filter", &Self::FILTERS)?,
-            width: job::filter_width(frame)?,
-        })
+            filter: match job::choice(frame, "filter", &Self::FILTERS)? {
+                Some(kind) => Filter::Esm(Esm::of(frame, kind, width)?),
+                None => Filter::Pcf,
+            },
+            width,
+        };
+        let is_cube = matches!(frame.light.kind, LightKind::Point { .. });
+        PlanError::check(
+            reading.is_plain() || !is_cube,
+            "the axis `filter`",
+            job::axis(frame, "filter"),
+            "`pcf` for a point light, whose map is a cube",
+        )?;
+        Ok(reading)
     }
 
     /// Whether it is the plain one: the nearest depths, filtered by comparing them. A method that binds maps in
@@ -97,6 +156,7 @@ impl Reading {
         }
         match self.filter {
             Filter::Pcf => {}
+            Filter::Esm(esm) => esm.add(plan, sheet),
         }
         plan.fetches_per_pixel += self.fetches();
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
@@ -106,6 +166,7 @@ impl Reading {
     fn fetches(self) -> u32 {
         match self.filter {
             Filter::Pcf => self.width.div_ceil(2).pow(2),
+            Filter::Esm(esm) => esm.fetches(),
         }
     }
 }

@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use umbrage_shadow::{Constants, Pass, ShadowPlan, Value};
 
-use crate::twin_filter::Filter;
+use crate::{esm_twin::EsmTwin, twin_filter::Filter};
 
 /// The shader's constant of this name: the slope up to which a receiver's plane is followed.
 const STEEPEST: f64 = 19.0;
@@ -21,6 +21,7 @@ pub struct PssmTwin {
     width: u32,
     receiver_plane: bool,
     choice: Choice,
+    esm: Option<EsmTwin>,
 }
 
 /// What was chosen for the method besides its filter.
@@ -42,8 +43,9 @@ struct Split {
     bias: DVec2,
 }
 
-/// Where a point lies in a split's map: texels, depth, and the plane's slope per texel.
+/// Where a point lies in a split's map: texels, depth, and the plane's slope per texel; and the way there.
 struct Place {
+    to_map: DMat4,
     at: DVec3,
     slope: DVec2,
 }
@@ -63,8 +65,12 @@ impl PssmTwin {
         let Value::Vec3(forward) = plan.constants.get("forward")? else {
             return None;
         };
-        let splits = plan.passes.iter().zip(crops).map(|(pass, crop)| {
-            let (Pass::Casters(pass), Value::Struct(crop)) = (pass, crop) else {
+        let casters = plan.passes.iter().filter_map(|pass| match pass {
+            Pass::Casters(pass) => Some(pass),
+            _ => None,
+        });
+        let splits = casters.zip(crops).map(|(pass, crop)| {
+            let Value::Struct(crop) = crop else {
                 return None;
             };
             Some(Split {
@@ -74,12 +80,15 @@ impl PssmTwin {
                 bias: bias(crop)?,
             })
         });
+        let esm = EsmTwin::new(plan);
         Some(Self {
             splits: splits.collect::<Option<_>>()?,
             forward: forward.as_dvec3(),
             width,
-            receiver_plane,
+            // Exponential maps are asked about a point.
+            receiver_plane: receiver_plane && esm.is_none(),
             choice,
+            esm,
         })
     }
 
@@ -125,8 +134,9 @@ impl PssmTwin {
 
     fn fetches_of(&self, number: usize, position_ws: DVec3) -> u32 {
         let inside = |split: &Split| u32::from(split.place(position_ws, DVec3::ZERO).is_some());
-        let taps = self.width.div_ceil(2);
-        let filter = |split: &Split| inside(split) * taps * taps;
+        let compared = self.width.div_ceil(2).pow(2);
+        let each = self.esm.as_ref().map_or(compared, |esm| esm.fetches);
+        let filter = |split: &Split| inside(split) * each;
         match self.choice.lookup.as_str() {
             "matrix_texture" => 5 + filter(&self.splits[number]),
             "weights" => self.splits.iter().map(filter).sum(),
@@ -160,7 +170,7 @@ impl PssmTwin {
         } else {
             DVec3::ZERO
         };
-        let Some(Place { at, slope }) = split.place(position_ws, normal) else {
+        let Some(Place { to_map, at, slope }) = split.place(position_ws, normal) else {
             return 1.0;
         };
         let depth = at.z + split.bias.x + split.bias.y * at.z + slope.abs().element_sum();
@@ -168,7 +178,11 @@ impl PssmTwin {
             width: self.width,
             size: split.size,
         };
-        filter.lit(at.truncate(), depth, slope, |x, y| depth_at(number, x, y))
+        let depth_at = |x, y| depth_at(number, x, y);
+        if let Some(esm) = &self.esm {
+            return esm.lit(number, filter, (at.truncate(), depth), to_map, depth_at);
+        }
+        filter.lit(at.truncate(), depth, slope, depth_at)
     }
 }
 
@@ -203,7 +217,7 @@ impl Split {
         } else {
             DVec2::ZERO
         };
-        Some(Place { at, slope })
+        Some(Place { to_map, at, slope })
     }
 }
 

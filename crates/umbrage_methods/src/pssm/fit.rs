@@ -8,7 +8,7 @@ use umbrage_shadow::{
 use super::Lookup;
 use crate::{
     job::{self, Boxes, NEAREST, PADDING},
-    maps::Reading,
+    maps::{Range, Reading},
 };
 
 /// A frame's numbers, checked.
@@ -57,6 +57,8 @@ pub(super) struct Split {
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
     pub casters: Vec<usize>,
+    /// The distances that the map holds.
+    pub range: Range,
 }
 
 impl Job {
@@ -293,6 +295,7 @@ impl Job {
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,
+            range: Range::new(lens, seen, self.tile),
         }
     }
 }

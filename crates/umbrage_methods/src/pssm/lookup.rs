@@ -123,7 +123,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         Transition::Blend => 2,
         Transition::Hard | Transition::Dither => 1,
     };
-    plan.constants = constants(job, splits, &sheet);
+    plan.constants.extend(constants(job, splits, &sheet));
     Ok(plan)
 }
 
@@ -214,6 +214,7 @@ fn map(split: &Split, tile: Viewport) -> Map {
         view_proj: split.view_proj,
         casters: split.casters.clone(),
         receivers: Some(split.depths),
+        range: split.range,
     }
 }
 

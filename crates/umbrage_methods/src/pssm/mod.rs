@@ -67,6 +67,7 @@ use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
 };
 
+use crate::esm;
 use lookup::Lookup;
 
 /// The method `pssm`.
@@ -75,7 +76,7 @@ pub struct Pssm;
 
 const NO_CUBES: &str = "a cube map has no splits; choose another method for point lights";
 
-const SETTINGS: [Setting; 6] = [
+const SETTINGS: [Setting; 7] = [
     Setting {
         name: "splits",
         doc: "how many splits the range of view depths has",
@@ -124,6 +125,7 @@ const SETTINGS: [Setting; 6] = [
         default: 0.1,
         whole: false,
     },
+    esm::EXPONENT,
 ];
 
 impl ShadowMethod for Pssm {

@@ -1,0 +1,248 @@
+//! Exponential shadow maps (Annen et al. 2008, Salvi 2008), values of the axis `filter`: a wide filter for the price of one
+//! fetch a pixel. The shader halves are `methods/esm.wesl` and `passes/esm_blur.wesl`; `esm_twin.rs` is the same
+//! computation on the CPU.
+//!
+//! # How it works
+//! Percentage-closer filtering is a mean of steps: of each texel's distance o from the light, whether it is at least
+//! the receiver's r. Where no texel is farther than the receiver, exp(k (o − r)) with a large k is nearly that step, and
+//! the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be filtered
+//! before it is known.
+//!
+//! Two full-screen passes for each map do that: `esm_across` turns a depth map, whatever it holds, into distances o from 0
+//! at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes the mean of
+//! exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear fetch of
+//! that blends the means of two columns and rows: W + 1 of them weighted 1 − f, 1, …, 1, f, the very kernel of
+//! percentage-closer filtering of width W (see `common/pcf.wesl`). The shader takes exp(min(ln E − k (r − ½), 0)):
+//! the term exceeds 1 where the map is behind the receiver, and a quotient of such numbers would overflow.
+//!
+//! # Values and settings
+//! | filter | holds | k at the most | fetches | bytes a texel, beside the depth map's 4 |
+//! | --- | --- | ---: | ---: | ---: |
+//! | `esm` | exponentials, `r32float` | 163 | 1 | 8 |
+//! | `esm_half` | exponentials, `r16float` | 19 | 1 | 4 |
+//! | `esm_log` | distances, `r32float`: m + ln(Σ w exp(k (o − m))) / k, m the largest | 65536 | 4 | 8 |
+//!
+//! A width of 1 takes one pass and half of the bytes. `esm` has the hardware filter 32-bit floats, which is not in WebGPU's baseline
+//! (`float32-filterable`); the other two are.
+//!
+//! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln 2⁻¹⁴ =
+//! 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers must fit (ln 15 = 2.71) and the product with a bilinear weight
+//! of 1/256 be normal (ln 256 = 5.55). Logarithms know no such limit, but depths have 24 bits: k · 2⁻²³ is what rounding
+//! may make of a term.
+//!
+//! `exponent` is k, of a map's whole range of distances. 0, the default, chooses for each map the k at which an occluder W + 1 texels
+//! in front of a receiver leaves a hundredth of the light: a contact leak no longer than the filter is wide. It is no more than the format
+//! holds, and no less than to darken half of the range. With a perspective those are texels at the range's far end.
+//!
+//! `depth_bias` moves the receiver, as for other filters; `receiver_bias` does nothing: a receiver that is a plane is the mean
+//! of its texels, the exponential of which is below the mean of the exponentials (Jensen's inequality), so no plane shades
+//! itself, however steep. By how much it is below is what the slope adds to the bias: the term of a plane that falls by
+//! s_x and s_y of the range a texel is multiplied by sinh(x) / x with x = k s W / 2, for each of the two. It makes shadows on steep
+//! receivers narrower by up to half of the filter.
+//!
+//! # Limits
+//! - *The contact leak*: in full shadow, the term is exp(−k (g − b)) for an occluder g of the range in front of its receiver
+//!   and a bias b. It stays above 1 % until g − b = 4.6 / k: of a range of 100 m, 2.8 m with `esm` and its largest k, 24 m with
+//!   `esm_half`. Use the latter for ranges of few metres, and `esm_log` where ranges are long.
+//! - *What is behind the receiver*: a texel farther than the receiver by g counts exp(k g) times. Where a filter reaches
+//!   beyond a receiver's edge into the depth, or past an upper occluder to a lower one that shades the receiver, all of it is lit (upper
+//!   occluder) or as dark as the lower one's own gap says: of two overlapping occluders the term is that of the farther.
+//! - Point lights have a cube, and `branches`, `channels` and `weights` their own ways to compare; choose `pcf` for them.
+//! - A directional light's far end is the farthest receiver; the near end the nearest caster. A caster far in front stretches
+//!   the range, and so the leak, in metres, of an exponent that is at its limit.
+//!
+//! # Sources
+//! Annen, Mertens, Seidel, Flerackers, Kautz, "Exponential shadow maps", Graphics Interface 2008. Salvi, "Rendering
+//! filtered shadows with exponential shadow maps", ShaderX6, 2008. Filtering of logarithms: Lauritzen and McCool,
+//! "Layered variance shadow maps", Graphics Interface 2008, and ShaderX6.
+
+use umbrage_shadow::{
+    Constants, Frame, Need, Pass, PlanError, Reads, SamplerDesc, ScreenPass, Setting, ShadowPlan,
+    Value,
+};
+use wgpu_types::{Features, FilterMode, TextureFormat};
+
+use crate::{
+    job,
+    maps::{Map, Sheet, texture},
+};
+
+/// What is read: filtered.
+const FILTERED: &str = "esm_map";
+
+/// What is filtered along its rows alone.
+const ROWS: &str = "esm_rows";
+
+/// As many maps as the shader has numbers for.
+const MOST_MAPS: usize = umbrage_shadow::MAX_SPLITS;
+
+/// −ln of the share of the light that counts as none.
+const DARK: f64 = 4.605_170_185_988_092;
+
+/// The setting of methods whose maps can be read in this way.
+pub(crate) const EXPONENT: Setting = Setting {
+    name: "exponent",
+    doc: "of exponential filters, over the whole range of a map's distances; 0: dark W + 1 texels below a caster, as nearly as the format holds",
+    min: 0.0,
+    max: MOST_BY_DEPTH,
+    default: 0.0,
+    whole: false,
+};
+
+/// Where depths of 24 bits make terms of 7: the limit of logarithms.
+const MOST_BY_DEPTH: f64 = 65536.0;
+
+/// The exponential values of the axis `filter`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// `esm`.
+    Full,
+    /// `esm_half`.
+    Half,
+    /// `esm_log`.
+    Log,
+}
+
+/// A frame's exponential filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Esm {
+    kind: Kind,
+    /// The setting; none where a map's own is to be found.
+    exponent: Option<f64>,
+    /// The filter's width, texels.
+    width: u32,
+}
+
+impl Kind {
+    fn format(self) -> TextureFormat {
+        match self {
+            Self::Full | Self::Log => TextureFormat::R32Float,
+            Self::Half => TextureFormat::R16Float,
+        }
+    }
+
+    /// The largest exponent that its numbers hold: see the module's page.
+    fn largest_exponent(self) -> f64 {
+        // More than exp() is off by, relative.
+        const ROUNDING: f64 = 1.0 / 512.0;
+        let (least, most) = match self {
+            Self::Full => (
+                256.0 * f64::from(f32::MIN_POSITIVE),
+                f64::from(f32::MAX) / 15.0,
+            ),
+            Self::Half => (1.0 / 16384.0, 65504.0),
+            Self::Log => return MOST_BY_DEPTH,
+        };
+        2.0 * ((-least.ln()).min(most.ln()) - ROUNDING)
+    }
+}
+
+impl Esm {
+    /// That of a frame.
+    ///
+    /// # Errors
+    /// An exponent that the format does not hold.
+    pub(crate) fn of(frame: &Frame<'_>, kind: Kind, width: u32) -> Result<Self, PlanError> {
+        let exponent = frame.settings.get(EXPONENT.name);
+        let (filter, most) = (job::axis(frame, "filter"), kind.largest_exponent());
+        let instead = match kind {
+            Kind::Full => "`esm_log` holds more",
+            Kind::Half => "`esm` and `esm_log` hold more",
+            Kind::Log => "depths are no finer",
+        };
+        PlanError::check(
+            exponent <= most,
+            "the setting `exponent`",
+            exponent,
+            &format!(
+                "{most:.1} at the most with the filter `{filter}`, or 0 for the largest that is of use; {instead}"
+            ),
+        )?;
+        Ok(Self {
+            kind,
+            exponent: (exponent > 0.0).then_some(exponent),
+            width,
+        })
+    }
+
+    /// The most fetches that one question takes.
+    pub(crate) fn fetches(self) -> u32 {
+        match self.kind {
+            Kind::Full | Kind::Half => 1,
+            Kind::Log => 4,
+        }
+    }
+
+    /// The exponent of a map.
+    fn exponent(self, map: &Map) -> f64 {
+        self.exponent.unwrap_or_else(|| {
+            let reach = f64::from(self.width + 1) * map.range.texel;
+            let wanted = DARK * (map.range.far - map.range.near) / reach;
+            wanted.clamp(2.0 * DARK, self.kind.largest_exponent())
+        })
+    }
+
+    /// Adds to `plan` what turns its depth map into exponentials, and filters them.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
+        let format = self.kind.format();
+        plan.textures.push(texture(FILTERED, format, sheet.size));
+        let blurs = self.width > 1;
+        if blurs {
+            plan.textures.push(texture(ROWS, format, sheet.size));
+        }
+        let passes = sheet.maps.iter().flat_map(|map| {
+            let across = self.across(map, if blurs { ROWS } else { FILTERED });
+            std::iter::once(across).chain(blurs.then(|| self.down(map)))
+        });
+        plan.passes.extend(passes.map(Pass::Screen));
+        if self.kind != Kind::Log {
+            plan.samplers.push(SamplerDesc {
+                name: "esm_sampler".to_owned(),
+                filter: FilterMode::Linear,
+                compare: None,
+            });
+        }
+        if self.kind == Kind::Full {
+            plan.needs.push(Need {
+                features: Features::FLOAT32_FILTERABLE,
+                instead: "the filter `esm_log`, or `esm_half` for ranges of few metres".to_owned(),
+            });
+        }
+        let tiles = (0..MOST_MAPS).map(|i| Value::Struct(self.tile(sheet.maps.get(i))));
+        plan.constants =
+            std::mem::take(&mut plan.constants).with("esm_tiles", Value::Array(tiles.collect()));
+    }
+
+    fn tile(self, map: Option<&Map>) -> Constants {
+        let (exponent, ratio) =
+            map.map_or((0.0, 0.0), |map| (self.exponent(map), map.range.ratio()));
+        Constants::new()
+            .with("exponent", Value::F32(exponent as f32))
+            .with("ratio", Value::F32(ratio as f32))
+    }
+
+    fn across(self, map: &Map, target: &str) -> ScreenPass {
+        self.blur(map, "esm_across", target, [map.tile.x, map.tile.width])
+    }
+
+    fn down(self, map: &Map) -> ScreenPass {
+        self.blur(map, "esm_down", FILTERED, [map.tile.y, map.tile.height])
+    }
+
+    /// The mean along an axis on which the map begins at `first` and has `count` texels.
+    fn blur(self, map: &Map, shader: &str, target: &str, [first, count]: [u32; 2]) -> ScreenPass {
+        let constants = self
+            .tile(Some(map))
+            .with("first", Value::U32(first))
+            .with("last", Value::U32(first + count - 1));
+        ScreenPass {
+            shader: shader.to_owned(),
+            target: target.to_owned(),
+            viewport: map.tile,
+            reads: Reads {
+                constants,
+                ..Reads::default()
+            },
+        }
+    }
+}
