@@ -28,6 +28,9 @@ const LOOKUPS: [&str; 7] = [
     "storage",
 ];
 
+/// How one map is asked, 15 texels wide.
+const FILTERS: [&str; 4] = ["pcf", "esm", "esm_half", "esm_log"];
+
 /// The one that ships as default.
 const DEFAULT: &str = "packed";
 
@@ -41,6 +44,12 @@ struct Report {
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
+    /// Shading time of an exponential map 15 texels wide over that of 15 x 15 comparisons, one map of 2048².
+    esm15_over_pcf15: f64,
+    /// The same with the passes that make the maps.
+    esm15_over_pcf15_with_maps: f64,
+    /// Shading time of each of the values of `filter` that read exponential maps, over that of 15 x 15 comparisons.
+    esm15_variants_over_pcf15: BTreeMap<&'static str, f64>,
     variants: BTreeMap<&'static str, Variant>,
 }
 
@@ -69,6 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
+    configs.extend(FILTERS.map(wide));
     let options = CompareOptions {
         size: (480, 270),
         rounds: 15,
@@ -114,6 +124,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         "4 x 1024 over basic 2048, error: {:.3}",
         report.pssm4x1024_over_basic2048_error
     );
+    println!(
+        "esm 15 over pcf 15, shading:  {:.3} ({:.3} with the maps)",
+        report.esm15_over_pcf15, report.esm15_over_pcf15_with_maps
+    );
+    for (filter, ratio) in &report.esm15_variants_over_pcf15 {
+        println!("{filter:10} 15 over pcf 15, shading: {ratio:.3}");
+    }
     println!("{}", write_report("methods", &report)?.display());
     Ok(())
 }
@@ -134,6 +151,17 @@ fn config(method: &str, name: &str, lookup: &str) -> Config {
         axes,
         settings,
         ..Config::default()
+    }
+}
+
+/// One map, read by `filter` 15 texels wide.
+fn wide(filter: &str) -> Config {
+    let axes = [("filter", filter), ("pcf", "15")];
+    Config {
+        axes: axes
+            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
+            .into(),
+        ..config("basic", filter, "")
     }
 }
 
@@ -194,12 +222,21 @@ fn report(
         .values()
         .map(|variant| variant.throughput_over_naive);
     let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
+    let with_maps =
+        |config: &str| Ok::<_, String>(row(config)?.casters_ms.median + shading(config)?);
+    let mut wide = BTreeMap::new();
+    for filter in FILTERS.into_iter().filter(|filter| *filter != "pcf") {
+        wide.insert(filter, shading(filter)? / shading("pcf")?);
+    }
     Ok(Report {
         adapter: adapter.to_owned(),
         family: family.to_owned(),
         pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
+        esm15_over_pcf15: shading("esm")? / shading("pcf")?,
+        esm15_over_pcf15_with_maps: with_maps("esm")? / with_maps("pcf")?,
+        esm15_variants_over_pcf15: wide,
         variants,
     })
 }

@@ -22,7 +22,7 @@
 //! grid, 1/256 texel on most devices: at a slope of 19 that is 19 · √2 / 512 = 0.05 texels. What else it has to cover is that a curved receiver is no plane: a
 //! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
 //! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
-//! filter's width. `filter` and `exponent` are [`crate::esm`]'s.
+//! filter's width. Exponential maps, values of `filter`, and their `exponent` are [`crate::esm`]'s; they take no bias.
 //!
 //! # Cost
 //! One map and one pass; six passes for a cube. ((W + 1) / 2)² fetches a pixel for width W, W² from a
@@ -121,11 +121,12 @@ struct Job {
 impl Job {
     fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
         job::check(frame, &SETTINGS)?;
+        let reading = Reading::of(frame)?;
         Ok(Self {
-            reading: Reading::of(frame)?,
+            reading,
             boxes: Boxes::new(frame),
             resolution: frame.settings.get("resolution") as u32,
-            depth_bias: frame.settings.get("depth_bias"),
+            depth_bias: reading.depth_bias(frame.settings.get("depth_bias")),
         })
     }
 

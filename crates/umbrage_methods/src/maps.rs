@@ -149,6 +149,14 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
+    /// How far a receiver is to be moved towards the light, where `setting` texels are asked for.
+    pub(crate) fn depth_bias(self, setting: f64) -> f64 {
+        match self.filter {
+            Filter::Pcf => setting,
+            Filter::Esm(_) => 0.0,
+        }
+    }
+
     /// Adds to `plan` what fills the maps, and what the filter reads.
     pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
         match self.depth {

@@ -24,7 +24,7 @@
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
 //! split's own map, towards the light), `band` (of a split's length). What the shader does: `pcf` and
-//! `receiver_bias` as for [`crate::basic`]; `transition` says what happens in the band before a split's end
+//! `receiver_bias` as for [`crate::basic`]; `filter` and `exponent` as [`crate::esm`] has them; `transition` says what happens in the band before a split's end
 //! (nothing, a blend with the next split's map, or a choice between the two by noise); `lookup` how the place in
 //! a split's map is found. All lookups give the same shadow:
 //!
