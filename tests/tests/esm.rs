@@ -468,7 +468,7 @@ fn the_default_leak_is_two_filters_long() {
     for (filter, width) in [
         ("esm", 15),
         ("esm_log", 3),
-        ("esm_half", 15),
+        ("esm_half", 3),
         ("esm_log", 15),
     ] {
         let choice = Choice {

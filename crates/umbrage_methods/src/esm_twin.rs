@@ -52,7 +52,12 @@ impl EsmTwin {
         let range = Range::new(to_map, at);
         let receiver = range.share(depth.clamp(0.0, 1.0));
         let above = |x: u32, y: u32| exponent * (range.share(f64::from(depth_at(x, y))) - receiver);
-        let mean = filter.mean(at, |x, y| above(x, y).exp());
+        // A fetch stays within the map.
+        let inside = at.clamp(
+            DVec2::splat(0.5),
+            DVec2::splat(f64::from(filter.size) - 0.5),
+        );
+        let mean = filter.mean(inside, |x, y| above(x, y).exp());
         mean.min(1.0)
     }
 }
