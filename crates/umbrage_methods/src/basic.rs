@@ -122,11 +122,12 @@ impl Job {
     fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
         job::check(frame, &SETTINGS)?;
         let reading = Reading::of(frame)?;
+        let resolution = frame.settings.get("resolution") as u32;
         Ok(Self {
             reading,
             boxes: Boxes::new(frame),
-            resolution: frame.settings.get("resolution") as u32,
-            depth_bias: reading.depth_bias(frame.settings.get("depth_bias")),
+            resolution,
+            depth_bias: reading.depth_bias(frame.settings.get("depth_bias"), resolution),
         })
     }
 

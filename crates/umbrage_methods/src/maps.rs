@@ -149,11 +149,13 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
-    /// How far a receiver is to be moved towards the light, where `setting` texels are asked for.
-    pub(crate) fn depth_bias(self, setting: f64) -> f64 {
+    /// How far a receiver is to be moved towards the light in a map of `side` texels, where `setting` texels are asked for.
+    /// An exponential filter needs it only where its window may be cut off by the edge of a small map: see [`crate::esm`].
+    pub(crate) fn depth_bias(self, setting: f64, side: u32) -> f64 {
+        let is_small = 4.0 * job::margin(self.width) > f64::from(side);
         match self.filter {
-            Filter::Pcf => setting,
-            Filter::Esm(_) => 0.0,
+            Filter::Esm(_) if !is_small => 0.0,
+            _ => setting,
         }
     }
 

@@ -80,7 +80,7 @@ impl Job {
             lambda: setting("lambda"),
             shadow_distance: (distance > 0.0).then_some(distance),
             tile: setting("resolution") as u32,
-            depth_bias: reading.depth_bias(setting("depth_bias")),
+            depth_bias: reading.depth_bias(setting("depth_bias"), setting("resolution") as u32),
             band: setting("band"),
             lookup: Lookup::of(frame, setting("splits") as usize, reading)?,
             reading,

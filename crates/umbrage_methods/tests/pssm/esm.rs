@@ -243,3 +243,16 @@ fn biases_change_nothing() {
         assert_eq!(scene.plan().expect("a plan"), plan);
     }
 }
+
+/// But in a map so small that windows are cut off wherever a receiver lies.
+#[test]
+fn small_maps_keep_their_bias() {
+    let plan = |side: f64, bias: f64| {
+        let mut scene = scene(sun(), "esm", 3);
+        scene.set("resolution", side);
+        scene.set("depth_bias", bias);
+        scene.plan_with(&Basic).expect("a plan")
+    };
+    assert_ne!(plan(11.0, 0.0), plan(11.0, 1.5));
+    assert_eq!(plan(12.0, 0.0), plan(12.0, 1.5));
+}
