@@ -14,7 +14,7 @@ use umbrage::{
     shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
 };
 
-use crate::Stage;
+use crate::{Stage, air};
 
 /// How far a rasteriser may move a triangle's corner to its own grid, in texels: Vulkan asks for a
 /// grid of a 16th at the least, and most have a 256th, which rounding and division make about this.
@@ -34,8 +34,8 @@ pub enum Pixel {
 
 /// The stage's triangles and its light's plan.
 pub struct Oracle<'a> {
-    stage: &'a Stage,
-    view: View,
+    pub(crate) stage: &'a Stage,
+    pub(crate) view: View,
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
     twin: Option<Twin>,
@@ -60,7 +60,7 @@ struct Triangle {
     number: usize,
 }
 
-struct Hit {
+pub(crate) struct Hit {
     distance: f64,
     triangle: usize,
     /// How near the hit is to the triangle's edge or a hole's, as a share of the triangle.
@@ -107,6 +107,7 @@ impl<'a> Oracle<'a> {
                     .iter()
                     .copied()
                     .filter(|bounds| frustum.intersects(bounds) && light.light.reaches(bounds))
+                    .chain(air::shaded(scene, &view, &light.light))
                     .collect();
                 let axes: BTreeMap<_, _> = shadow.axes.clone();
                 let plan = method
@@ -119,6 +120,7 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
+                        seen: None,
                     })
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;
@@ -126,6 +128,7 @@ impl<'a> Oracle<'a> {
                 let twin = if shadow.method == "pssm" {
                     let choice = Choice {
                         lookup: axes.get("lookup")?.clone(),
+                        taper: axes.get("taper")? == "on",
                         transition: axes.get("transition")?.clone(),
                         band: settings.get("band"),
                     };
@@ -152,23 +155,27 @@ impl<'a> Oracle<'a> {
             Ok(receiver) => receiver,
             Err(none) => return none,
         };
-        let Some(twin) = &self.twin else {
-            return Pixel::Term(1.0, 1.0);
-        };
-        match twin {
-            Twin::Basic(twin) => {
+        let [dark, lit] = self.term(position, normal);
+        Pixel::Term(dark, lit)
+    }
+
+    /// The least and the greatest shadow term at a point on a plane with this normal, zero where it is unknown.
+    pub(crate) fn term(&self, position: DVec3, normal: DVec3) -> [f64; 2] {
+        match &self.twin {
+            None => [1.0; 2],
+            Some(Twin::Basic(twin)) => {
                 let term = |pick: fn((f32, f32)) -> f32| {
                     let texel = |layer, x, y| pick(self.texel(layer, x, y));
                     twin.calc_shadow(position, normal, texel)
                 };
-                Pixel::Term(term(|range| range.1), term(|range| range.0))
+                [term(|range| range.1), term(|range| range.0)]
             }
-            Twin::Pssm(twin) => {
+            Some(Twin::Pssm(twin)) => {
                 let term = |pick: fn((f32, f32)) -> f32| {
                     let texel = |pass: usize, x, y| pick(self.texel(pass as u32, x, y));
                     twin.calc_shadow(position, normal, texel)
                 };
-                Pixel::Term(term(|range| range.1)[0], term(|range| range.0)[1])
+                [term(|range| range.1)[0], term(|range| range.0)[1]]
             }
         }
     }
@@ -216,16 +223,19 @@ impl<'a> Oracle<'a> {
     /// What the pixel sees where that is no surface for sure.
     pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
         let (position, normal) = self.receiver(x, y, width, height)?;
+        let [least, most] = self.fetches_at(position, normal);
+        if least == most {
+            Ok(least)
+        } else {
+            Err(Pixel::Edge)
+        }
+    }
+
+    /// The least and the most texture fetches that the shadow term of a point takes.
+    pub(crate) fn fetches_at(&self, position: DVec3, normal: DVec3) -> [u32; 2] {
         let twin = match &self.twin {
-            None => return Ok(0),
-            Some(Twin::Pssm(twin)) => {
-                let [least, most] = twin.fetches(position);
-                return if least == most {
-                    Ok(least)
-                } else {
-                    Err(Pixel::Edge)
-                };
-            }
+            None => return [0; 2],
+            Some(Twin::Pssm(twin)) => return twin.fetches(position),
             Some(Twin::Basic(twin)) => twin,
         };
         let reads = Cell::new(false);
@@ -233,11 +243,12 @@ impl<'a> Oracle<'a> {
             reads.set(true);
             0.0
         });
-        Ok(if reads.get() {
+        let fetches = if reads.get() {
             self.plan.fetches_per_pixel
         } else {
             0
-        })
+        };
+        [fetches; 2]
     }
 
     /// The least and the greatest depth that the first map holds where the pixel's surface falls into
@@ -265,7 +276,13 @@ impl<'a> Oracle<'a> {
     }
 
     /// What the pixel sees, and where (metres, relative to the camera).
-    fn see(&self, x: u32, y: u32, width: u32, height: u32) -> Result<(Hit, DVec3), Pixel> {
+    pub(crate) fn see(
+        &self,
+        x: u32,
+        y: u32,
+        width: u32,
+        height: u32,
+    ) -> Result<(Hit, DVec3), Pixel> {
         let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
         let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
         let (start, direction) = ray(self.view.view_proj_relative(), ndc);
@@ -377,7 +394,7 @@ impl<'a> Oracle<'a> {
 
 /// The ray through `ndc`: where it starts (depth 1, the near plane) and its unit direction, in the
 /// space that `matrix` takes to clip space.
-fn ray(matrix: DMat4, ndc: DVec2) -> (DVec3, DVec3) {
+pub(crate) fn ray(matrix: DMat4, ndc: DVec2) -> (DVec3, DVec3) {
     let inverse = matrix.inverse();
     let near = inverse.project_point3(ndc.extend(1.0));
     // Depth 0 may be infinitely far; halfway in depth is somewhere beyond the near plane.

@@ -201,6 +201,7 @@ fn scene(sheets: &[Sheet], eye: f64, choice: &Choice) -> Scene {
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
+        medium: None,
     }
 }
 

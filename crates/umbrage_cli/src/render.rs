@@ -92,12 +92,16 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::ShadowTerm => render::What::ShadowTerm,
             What::Triangles => render::What::Triangles,
             What::Fetches => render::What::Fetches,
+            What::ShaftFetches => render::What::ShaftFetches,
+            What::Splits => render::What::Splits,
         },
         method: args.method.clone(),
         path: match args.path {
             args::Path::Forward => render::Path::Forward,
             args::Path::Mask => render::Path::Mask,
+            args::Path::MaskBySplit => render::Path::MaskBySplit,
         },
+        shaft_steps: args.shaft_steps,
         ..RenderOptions::default()
     }
 }
@@ -114,7 +118,7 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
         light: used.light.as_deref(),
         shadow: matches!(
             used.key.get("pass"),
-            Some("caster" | "caster_depth" | "mask")
+            Some("caster" | "caster_depth" | "mask" | "region")
         ),
     };
     Report {

@@ -125,8 +125,6 @@ pub(crate) struct Esm {
     kind: Kind,
     /// The setting; none where a map's own is to be found.
     exponent: Option<f64>,
-    /// The filter's width, texels.
-    width: u32,
 }
 
 impl Kind {
@@ -158,7 +156,7 @@ impl Esm {
     ///
     /// # Errors
     /// An exponent that the format does not hold.
-    pub(crate) fn of(frame: &Frame<'_>, kind: Kind, width: u32) -> Result<Self, PlanError> {
+    pub(crate) fn of(frame: &Frame<'_>, kind: Kind) -> Result<Self, PlanError> {
         let exponent = frame.settings.get(EXPONENT.name);
         let (filter, most) = (job::axis(frame, "filter"), kind.largest_exponent());
         let instead = match kind {
@@ -177,7 +175,6 @@ impl Esm {
         Ok(Self {
             kind,
             exponent: (exponent > 0.0).then_some(exponent),
-            width,
         })
     }
 
@@ -189,28 +186,26 @@ impl Esm {
         }
     }
 
-    /// The exponent of a map.
-    fn exponent(self, map: &Map) -> f64 {
-        self.exponent.unwrap_or_else(|| {
-            let reach = WIDTHS * f64::from(self.width + 1) * map.range.texel;
-            let wanted = DARK * (map.range.far - map.range.near) / reach;
-            wanted.clamp(2.0 * DARK, self.kind.largest_exponent())
-        })
-    }
-
-    /// Adds to `plan` what turns its depth map into exponentials, and filters them.
-    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
+    /// Adds to `plan` what turns its depth map into exponentials, and filters them: each map by its own width, texels.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, width_of: impl Fn(usize) -> u32) {
         let format = self.kind.format();
         plan.textures.push(texture(FILTERED, format, sheet.size));
-        let blurs = self.width > 1;
-        if blurs {
+        if width_of(0) > 1 {
             plan.textures.push(texture(ROWS, format, sheet.size));
         }
-        let passes = sheet.maps.iter().flat_map(|map| {
-            let across = self.across(map, if blurs { ROWS } else { FILTERED });
-            std::iter::once(across).chain(blurs.then(|| self.down(map)))
+        let blurs = sheet.maps.iter().enumerate().map(|(number, map)| Blur {
+            map,
+            width: width_of(number),
+            numbers: self.numbers(map, width_of(number)),
         });
-        plan.passes.extend(passes.map(Pass::Screen));
+        let blurs: Vec<_> = blurs.collect();
+        for blur in &blurs {
+            plan.passes.extend(blur.passes().map(Pass::Screen));
+        }
+        let numbers = |i: usize| blurs.get(i).map_or((0.0, 0.0), |blur| blur.numbers);
+        let tiles = (0..MOST_MAPS).map(|i| Value::Struct(constants(numbers(i))));
+        plan.constants
+            .extend(Constants::new().with("esm_tiles", Value::Array(tiles.collect())));
         if self.kind != Kind::Log {
             plan.samplers.push(SamplerDesc {
                 name: "esm_sampler".to_owned(),
@@ -224,37 +219,56 @@ impl Esm {
                 instead: "the filter `esm_log`, or `esm_half` for ranges of few metres".to_owned(),
             });
         }
-        let tiles = (0..MOST_MAPS).map(|i| Value::Struct(self.tile(sheet.maps.get(i))));
-        plan.constants =
-            std::mem::take(&mut plan.constants).with("esm_tiles", Value::Array(tiles.collect()));
     }
 
-    fn tile(self, map: Option<&Map>) -> Constants {
-        let (exponent, ratio) =
-            map.map_or((0.0, 0.0), |map| (self.exponent(map), map.range.ratio()));
-        Constants::new()
-            .with("exponent", Value::F32(exponent as f32))
-            .with("ratio", Value::F32(ratio as f32))
+    /// A map's exponent, and what makes its depths linear.
+    fn numbers(self, map: &Map, width: u32) -> (f64, f64) {
+        let range = map.range;
+        let exponent = self.exponent.unwrap_or_else(|| {
+            let reach = WIDTHS * f64::from(width + 1) * range.texel;
+            let wanted = DARK * (range.far - range.near) / reach;
+            wanted.clamp(2.0 * DARK, self.kind.largest_exponent())
+        });
+        (exponent, range.ratio())
     }
+}
 
-    fn across(self, map: &Map, target: &str) -> ScreenPass {
-        self.blur(map, "esm_across", target, [map.tile.x, map.tile.width])
-    }
+/// A map's exponent and ratio, for the shader.
+fn constants((exponent, ratio): (f64, f64)) -> Constants {
+    Constants::new()
+        .with("exponent", Value::F32(exponent as f32))
+        .with("ratio", Value::F32(ratio as f32))
+}
 
-    fn down(self, map: &Map) -> ScreenPass {
-        self.blur(map, "esm_down", FILTERED, [map.tile.y, map.tile.height])
+/// What is done to one map.
+struct Blur<'a> {
+    map: &'a Map,
+    /// The filter's, texels.
+    width: u32,
+    /// Its exponent and ratio.
+    numbers: (f64, f64),
+}
+
+impl Blur<'_> {
+    /// Along its rows, and then along its columns; of a filter one texel wide, only to exponentials.
+    fn passes(&self) -> impl Iterator<Item = ScreenPass> {
+        let tile = self.map.tile;
+        let down = (self.width > 1).then(|| self.pass("esm_down", FILTERED, [tile.y, tile.height]));
+        let target = if down.is_some() { ROWS } else { FILTERED };
+        let across = self.pass("esm_across", target, [tile.x, tile.width]);
+        std::iter::once(across).chain(down)
     }
 
     /// The mean along an axis on which the map begins at `first` and has `count` texels.
-    fn blur(self, map: &Map, shader: &str, target: &str, [first, count]: [u32; 2]) -> ScreenPass {
-        let constants = self
-            .tile(Some(map))
+    fn pass(&self, shader: &str, target: &str, [first, count]: [u32; 2]) -> ScreenPass {
+        let constants = constants(self.numbers)
+            .with("width", Value::U32(self.width))
             .with("first", Value::U32(first))
             .with("last", Value::U32(first + count - 1));
         ScreenPass {
             shader: shader.to_owned(),
             target: target.to_owned(),
-            viewport: map.tile,
+            viewport: self.map.tile,
             reads: Reads {
                 constants,
                 ..Reads::default()

@@ -96,8 +96,10 @@ impl Range {
 pub(crate) struct Reading {
     depth: Depth,
     filter: Filter,
-    /// The filter's width, texels: the axis `pcf`.
+    /// The filter's width in the first map, texels: the axis `pcf`.
     pub width: u32,
+    /// Whether it is two texels less from map to map.
+    pub taper: bool,
 }
 
 /// The axis `depth`.
@@ -124,14 +126,14 @@ impl Reading {
 
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
-        let width = job::filter_width(frame)?;
         let reading = Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
             filter: match job::choice(frame, "filter", &Self::FILTERS)? {
-                Some(kind) => Filter::Esm(Esm::of(frame, kind, width)?),
+                Some(kind) => Filter::Esm(Esm::of(frame, kind)?),
                 None => Filter::Pcf,
             },
-            width,
+            width: job::filter_width(frame)?,
+            taper: false,
         };
         let is_cube = matches!(frame.light.kind, LightKind::Point { .. });
         PlanError::check(
@@ -166,16 +168,22 @@ impl Reading {
         }
         match self.filter {
             Filter::Pcf => {}
-            Filter::Esm(esm) => esm.add(plan, sheet),
+            Filter::Esm(esm) => esm.add(plan, sheet, |map| self.width_of(map)),
         }
-        plan.fetches_per_pixel += self.fetches();
+        plan.fetches_per_pixel += self.fetches(0);
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
     }
 
-    /// The most fetches that one question takes.
-    fn fetches(self) -> u32 {
+    /// The filter's width in a map, texels, by the map's number.
+    pub(crate) fn width_of(self, map: usize) -> u32 {
+        let narrower = if self.taper { 2 * map as u32 } else { 0 };
+        self.width.saturating_sub(narrower).max(1)
+    }
+
+    /// The most fetches that one question to a map takes, by the map's number.
+    pub(crate) fn fetches(self, map: usize) -> u32 {
         match self.filter {
-            Filter::Pcf => self.width.div_ceil(2).pow(2),
+            Filter::Pcf => self.width_of(map).div_ceil(2).pow(2),
             Filter::Esm(esm) => esm.fetches(),
         }
     }

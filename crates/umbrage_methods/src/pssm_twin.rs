@@ -17,7 +17,7 @@ const STEEPEST: f64 = 19.0;
 pub struct PssmTwin {
     splits: Vec<Split>,
     forward: DVec3,
-    /// The filter's width, texels.
+    /// The filter's width in the first split's map, texels.
     width: u32,
     receiver_plane: bool,
     choice: Choice,
@@ -29,6 +29,8 @@ pub struct PssmTwin {
 pub struct Choice {
     /// The axis `lookup`.
     pub lookup: String,
+    /// Whether the axis `taper` is on.
+    pub taper: bool,
     /// The axis `transition`.
     pub transition: String,
     /// The setting `band`.
@@ -133,16 +135,27 @@ impl PssmTwin {
     }
 
     fn fetches_of(&self, number: usize, position_ws: DVec3) -> u32 {
-        let inside = |split: &Split| u32::from(split.place(position_ws, DVec3::ZERO).is_some());
-        let compared = self.width.div_ceil(2).pow(2);
-        let each = self.esm.as_ref().map_or(compared, |esm| esm.fetches);
-        let filter = |split: &Split| inside(split) * each;
+        let inside = |number: usize| {
+            let place = self.splits[number].place(position_ws, DVec3::ZERO);
+            u32::from(place.is_some())
+        };
+        let each = |number| match &self.esm {
+            Some(esm) => esm.fetches,
+            None => self.width_of(number).div_ceil(2).pow(2),
+        };
+        let filter = |number| inside(number) * each(number);
         match self.choice.lookup.as_str() {
-            "matrix_texture" => 5 + filter(&self.splits[number]),
-            "weights" => self.splits.iter().map(filter).sum(),
-            "channels" => inside(&self.splits[number]) * (self.width + 1).pow(2),
-            _ => filter(&self.splits[number]),
+            "matrix_texture" => 5 + filter(number),
+            "weights" => (0..self.splits.len()).map(filter).sum(),
+            "channels" => inside(number) * (self.width_of(number) + 1).pow(2),
+            _ => filter(number),
         }
+    }
+
+    /// The width in texels of the filter in a split's map: two less than in the one before, if at all.
+    fn width_of(&self, number: usize) -> u32 {
+        let narrower = 2 * number as u32 * u32::from(self.choice.taper);
+        self.width.saturating_sub(narrower).max(1)
     }
 
     /// The split that holds the point, and how far into its band the point is; none beyond the last one.
@@ -175,7 +188,7 @@ impl PssmTwin {
         };
         let depth = at.z + split.bias.x + split.bias.y * at.z + slope.abs().element_sum();
         let filter = Filter {
-            width: self.width,
+            width: self.width_of(number),
             size: split.size,
         };
         let depth_at = |x, y| depth_at(number, x, y);

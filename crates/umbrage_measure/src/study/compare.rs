@@ -90,6 +90,8 @@ pub fn compare(
     };
     for (name, scene) in scenes {
         let mut scene = scene.clone();
+        // What is compared is shadows on surfaces: air would hide them, and its maps would have more to hold.
+        scene.medium = None;
         // What the scene chooses for a method is not what the configuration is called.
         scene
             .lights
@@ -195,7 +197,7 @@ impl Run<'_> {
             Ok((terms, fetches, self.lab.shaded(subject, &options)?))
         });
         // What the device refuses of one configuration says nothing of the others.
-        let (terms, fetches_per_pixel, shaded) = match drawn {
+        let (terms, fetch_shares, shaded) = match drawn {
             Ok(drawn) => drawn,
             Err(error) => return Ok(Err(error.to_string())),
         };
@@ -214,13 +216,17 @@ impl Run<'_> {
             path: match config.path {
                 Path::Forward => "forward".to_owned(),
                 Path::Mask => "mask".to_owned(),
+                Path::MaskBySplit => "mask_by_split".to_owned(),
             },
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,
             texels: report.texels,
             passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
-            fetches_per_pixel,
+            fetches_per_pixel: (fetch_shares.iter())
+                .map(|(count, share)| f64::from(*count) * share)
+                .sum(),
+            fetch_shares,
             isa: self.isa(&shaded)?,
             ..Row::default()
         };

@@ -1,6 +1,6 @@
 //! Draws a scene with a method, and measures what was drawn.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Vec3;
 use umbrage_compose::{Composer, Library, Permutation};
@@ -119,12 +119,12 @@ impl Lab {
         self.renderer.render(subject.scene, &options)
     }
 
-    /// Texture fetches a compared sample, counted on the device: the mean.
+    /// Texture fetches a compared sample, counted on the device: the share of the samples that take so many.
     pub(super) fn fetches(
         &mut self,
         subject: &Subject<'_>,
         options: &RenderOptions,
-    ) -> Result<f64, RenderError> {
+    ) -> Result<BTreeMap<u32, f64>, RenderError> {
         let options = RenderOptions {
             what: What::Fetches,
             ..options.clone()
@@ -133,16 +133,20 @@ impl Lab {
             Picture::Fetches(counts) => counts,
             _ => Vec::new(),
         };
-        let (mut sum, mut samples) = (0.0, 0_u64);
+        let mut samples = BTreeMap::<_, u64>::new();
         for (counts, truth) in counts.iter().zip(&subject.truth.terms) {
             for (pixel, (count, term)) in counts.iter().zip(truth).enumerate() {
                 if term.is_some() && subject.agrees(pixel) {
-                    sum += f64::from(*count);
-                    samples += 1;
+                    // A whole number, as it was counted.
+                    *samples.entry(*count as u32).or_default() += 1;
                 }
             }
         }
-        Ok(sum / samples.max(1) as f64)
+        let all: u64 = samples.values().sum();
+        let shares = samples.into_iter();
+        Ok(shares
+            .map(|(count, samples)| (count, samples as f64 / all as f64))
+            .collect())
     }
 
     /// The shaded picture, and how long its passes took.

@@ -7,7 +7,10 @@ use umbrage_shadow::{
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
-use super::fit::{Job, Split, Splits, Transition};
+use super::{
+    fit::{Job, Split, Splits, Transition},
+    regions,
+};
 use crate::{
     job,
     maps::{self, DEPTH, MAP, Map, Reading, Sheet, casters, texture},
@@ -87,6 +90,17 @@ impl Lookup {
             Self::MatrixTexture | Self::Packed | Self::Storage => MAX_SPLITS,
         }
     }
+
+    /// Fetches of one lookup in the map of a split.
+    fn fetches(self, reading: Reading, split: usize) -> u32 {
+        let filter = |split| reading.fetches(split);
+        match self {
+            Self::Branches | Self::Masks | Self::Packed | Self::Storage => filter(split),
+            Self::MatrixTexture => MATRIX_ROWS + filter(split),
+            Self::Weights => (0..FEW).map(filter).sum(),
+            Self::Channels => (reading.width_of(split) + 1).pow(2),
+        }
+    }
 }
 
 /// Rows of a matrix texture: a matrix, and what else a comparison needs.
@@ -97,6 +111,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
     let mut plan = ShadowPlan {
         filter_radius: 0.5 * f64::from(job.reading.width) + 0.5,
         shadow_distance: job.shadow_distance,
+        regions: regions::of(job, splits),
         ..ShadowPlan::default()
     };
     let mut sheet = Tiles {
@@ -119,10 +134,13 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         }
         _ => {}
     }
-    plan.fetches_per_pixel *= match job.transition {
+    // Where two splits are blended, the first two have the widest filters.
+    let read = match job.transition {
         Transition::Blend => 2,
         Transition::Hard | Transition::Dither => 1,
     };
+    let fetches = (0..read).map(|split| job.lookup.fetches(job.reading, split));
+    plan.fetches_per_pixel = fetches.sum();
     plan.constants.extend(constants(job, splits, &sheet));
     Ok(plan)
 }
@@ -160,12 +178,6 @@ fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Tiles, Pla
 /// A map for each split; the least that the shader can bind in the place of those that are not there.
 fn maps(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
     plan.samplers.push(maps::comparison());
-    let all = if job.lookup == Lookup::Weights {
-        FEW as u32
-    } else {
-        1
-    };
-    plan.fetches_per_pixel = all * job.reading.width.div_ceil(2).pow(2);
     for (i, name) in MAPS.into_iter().enumerate() {
         let split = splits.splits.get(i);
         let size = if split.is_some() { job.tile } else { 1 };
@@ -186,7 +198,6 @@ fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
         ColorWrites::ALPHA,
     ];
     const NEAREST: &str = "shadow_depth";
-    plan.fetches_per_pixel = (job.reading.width + 1).pow(2);
     let side = if splits.splits.is_empty() {
         1
     } else {
@@ -227,15 +238,10 @@ fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
         let four = |i: usize| Vec4::from_array([0, 1, 2, 3].map(|j| value(4 * i + j)));
         Value::Array(vec![Value::Vec4(four(0)), Value::Vec4(four(1))])
     };
-    let length = |split: &Split| job.band * (split.depths[1] - split.depths[0]);
-    // The last split, and one before a gap, passes into nothing.
-    let has_next = |split: &Split| {
-        let mut all = splits.splits.iter();
-        all.any(|next| next.depths[0] == split.depths[1])
-    };
+    let band = |split: &Split| split.depths[1] - job.band_length(split);
     let rate = |split: &Split| {
-        if has_next(split) {
-            1.0 / length(split)
+        if splits.has_next(split) {
+            1.0 / job.band_length(split)
         } else {
             0.0
         }
@@ -249,10 +255,7 @@ fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
         .with("forward", Value::Vec3(job.forward().as_vec3()))
         .with("reach", Value::F32(reach))
         .with("ends", splits_of(&|split| split.depths[1], f32::MAX))
-        .with(
-            "bands",
-            splits_of(&|split| split.depths[1] - length(split), 0.0),
-        )
+        .with("bands", splits_of(&band, 0.0))
         .with("band_rates", splits_of(&rate, 0.0))
         .with("tile", Value::F32(job.tile as f32))
         .with("columns", Value::F32(columns))
@@ -334,5 +337,4 @@ fn matrix_texture(plan: &mut ShadowPlan, splits: &Splits) {
     });
     plan.textures
         .push(texture(NAME, TextureFormat::Rgba32Float, size));
-    plan.fetches_per_pixel += MATRIX_ROWS;
 }
