@@ -1,17 +1,17 @@
-//! Exponential shadow maps (Annen et al. 2008, Salvi 2008), values of the axis `filter`: a wide filter for the price of one
-//! fetch a pixel. The shader halves are `methods/esm.wesl` and `passes/esm_blur.wesl`; `esm_twin.rs` is the same
-//! computation on the CPU.
+//! Exponential shadow maps (Annen et al. 2008, Salvi 2008), values of the axis `filter`: a wide filter for the price
+//! of one fetch a pixel. The shader halves are `methods/esm.wesl` and `passes/esm_blur.wesl`; `esm_twin.rs` is the
+//! same computation on the CPU.
 //!
 //! # How it works
 //! Percentage-closer filtering is a mean of steps: of each texel's distance o from the light, whether it is at least
-//! the receiver's r. Where no texel is farther than the receiver, exp(k (o − r)) with a large k is nearly that step, and
-//! the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be filtered
-//! before it is known.
+//! the receiver's r. Where no texel is farther than the receiver, exp(k (o − r)) with a large k is nearly that step,
+//! and the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be
+//! filtered before it is known.
 //!
-//! Two full-screen passes for each map do that: `esm_across` turns a depth map, whatever it holds, into distances o from 0
-//! at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes the mean of
-//! exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear fetch of
-//! that blends the means of two columns and rows: W + 1 of them weighted 1 − f, 1, …, 1, f, the very kernel of
+//! Two full-screen passes for each map do that: `esm_across` turns a depth map, whatever it holds, into distances o
+//! from 0 at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes
+//! the mean of exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear
+//! fetch blends four such means: W + 1 columns and rows of texels weighted 1 − f, 1, …, 1, f, the very kernel of
 //! percentage-closer filtering of width W (see `common/pcf.wesl`). The shader takes exp(min(ln E − k (r − ½), 0)):
 //! the term exceeds 1 where the map is behind the receiver, and a quotient of such numbers would overflow.
 //!
@@ -22,47 +22,51 @@
 //! | `esm_half` | exponentials, `r16float` | 19 | 1 | 4 |
 //! | `esm_log` | distances, `r32float`: m + ln(Σ w exp(k (o − m))) / k, m the largest | 65536 | 4 | 8 |
 //!
-//! A width of 1 takes one pass and half of the bytes. `esm` has the hardware filter 32-bit floats, which is not in WebGPU's baseline
-//! (`float32-filterable`); the other two are.
+//! A width of 1 takes one pass and half of the bytes. With `esm` the hardware filters floats of 32 bits, which
+//! WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the baseline.
 //!
-//! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln 2⁻¹⁴ =
-//! 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers must fit (ln 15 = 2.71) and the product with a bilinear weight
-//! of 1/256 be normal (ln 256 = 5.55). Logarithms know no such limit, but depths have 24 bits: k · 2⁻²³ is what rounding
-//! may make of a term.
+//! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln
+//! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers must fit (ln 15 = 2.71) and
+//! the product with a bilinear weight of 1/256 be normal (ln 256 = 5.55). Logarithms know no such limit, but depths
+//! have 24 bits: k · 2⁻²³ is what rounding may make of a term.
 //!
-//! `exponent` is k, of a map's whole range of distances. 0, the default, chooses for each map the k at which an occluder
-//! 2 (W + 1) texels in front of a receiver leaves a hundredth of the light (ln 100 = 4.6): a contact leak of two widths of
-//! the filter. It is no more than the format holds, and no less than to darken half of the range. With a perspective those are
-//! texels at the range's far end. A larger k shortens the leak, and makes more of slopes.
+//! `exponent` is k, of a map's whole range of distances. 0, the default, chooses for each map the k at which an
+//! occluder 2 (W + 1) texels in front of a receiver leaves a hundredth of the light (ln 100 = 4.6): a contact leak of
+//! two widths of the filter. It is no more than the format holds, and no less than to darken half of the range. With
+//! a perspective those are texels at the range's far end. A larger k shortens the leak, and makes more of slopes.
 //!
-//! `depth_bias` and `receiver_bias` do nothing. They keep texels of a receiver from shading it, and of an exponential map
-//! none does that is a plane: the mean of its texels' distances is its own, and the exponential of a mean is at most the
-//! mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by exp(4.6 b / (2 W + 2)), and a shadow's edge is
-//! lit where its share of a window is. Only what rounding may be is added to a receiver's depth;
-//! and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is cut off by the map's edge and its mean is not its own.
+//! `depth_bias` and `receiver_bias` do nothing. They keep texels of a receiver from shading it, and of an exponential
+//! map none does that is a plane: the mean of its texels' distances is its own, and the exponential of a mean is at
+//! most the mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by exp(4.6 b / (2 W
+//! + 2)), and a shadow's edge is lit where its share of a window is. Only what rounding may be is added to a
+//! receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
+//! cut off by the map's edge and its mean is not its own.
 //!
-//! By how much the mean is more is what a slope adds: the term on a plane whose distance grows by s_x and s_y of the range a texel is multiplied
-//! by sinh(x) / x, x = k s W / 2, for each. With the default k and W = 15 that is 1.2 where depth rises by a texel's width a
-//! texel (45°), and 3.9 at three times that (72°): on steep receivers shadows become narrower, on each side by up to half of the
-//! filter. They are never darker than they should be. To divide by that factor would shade what is steep and ends, such as
-//! a wall at its foot.
+//! By how much the mean is more is what a slope adds: the term on a plane whose distance grows by s_x and s_y of the
+//! range a texel is multiplied by sinh(x) / x, x = k s W / 2, for each. With the default k and W = 15 that is 1.2
+//! where depth rises by a texel's width a texel (45°), and 3.9 at three times that (72°): on steep receivers shadows
+//! become narrower, on each side by up to half of the filter. They are never darker than they should be. To divide by
+//! that factor would shade what is steep and ends, such as a wall at its foot.
 //!
 //! # Cost
-//! One fetch a pixel, or four. Two passes for each map of W texels read each, exponentials in the first, and 4 or 8 bytes a
-//! texel. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at W = 3.
+//! One fetch a pixel, or four. Two passes for each map of W texels read each, exponentials in the first, and 4 or 8
+//! bytes a texel. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at W = 3. On
+//! a software adapter, shading at W = 15 took 0.15 of what comparisons took, and the passes over 2048² texels as much
+//! as comparisons for a million pixels: beyond that many it pays.
 //!
 //! # Limits
-//! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its receiver. It
-//!   stays above 1 % until g = 4.6 / k: of a range of 100 m that is 2.8 m with `esm` and its largest k, 24 m with
-//!   `esm_half`. Use the latter for ranges of few metres, and `esm_log` where ranges are long.
-//! - *What is behind the receiver*: a texel farther than the receiver by g counts exp(k g) times. Where a window reaches past a
-//!   receiver's edge to what lies behind, the receiver is lit, whatever shades it.
+//! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its
+//!   receiver. It stays above 1 % until g = 4.6 / k: of a range of 100 m that is 2.8 m with `esm` and its largest k,
+//!   24 m with `esm_half`. Use the latter for ranges of few metres, and `esm_log` where ranges are long.
+//! - *What is behind the receiver*: a texel farther than the receiver by g counts exp(k g) times. Where a window
+//!   reaches past a receiver's edge to what lies behind, the receiver is lit, whatever shades it.
 //! - *Two occluders above each other*: the map holds the upper one. Where a window holds texels of both, the term is
-//!   the lower one's leak by its share: a bright rim, exp(−k g) of its own gap, at the upper one's edge, inside of what should
-//!   be one shadow. Foliage leaks so.
-//! - Point lights have a cube, and `branches`, `channels` and `weights` their own ways to compare; choose `pcf` for them.
-//! - The range ends at the nearest caster and the farthest receiver. A caster far in front stretches it, and with it the
-//!   leak in metres of an exponent that is at its limit.
+//!   the lower one's leak by its share: a bright rim, exp(−k g) of its own gap, at the upper one's edge, inside of
+//!   what should be one shadow. Foliage leaks so.
+//! - Point lights have a cube, and `branches`, `channels` and `weights` their own ways to compare; choose `pcf` for
+//!   them.
+//! - The range ends at the nearest caster and the farthest receiver. A caster far in front stretches it, and with it
+//!   the leak in metres of an exponent that is at its limit.
 //!
 //! # Sources
 //! Annen, Mertens, Seidel, Flerackers, Kautz, "Exponential shadow maps", Graphics Interface 2008. Salvi, "Rendering
