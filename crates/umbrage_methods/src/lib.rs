@@ -6,6 +6,8 @@
 
 pub mod basic;
 pub mod basic_twin;
+pub mod esm;
+mod esm_twin;
 mod job;
 mod maps;
 pub mod midpoint;

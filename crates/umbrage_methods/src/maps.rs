@@ -6,12 +6,13 @@
 
 use glam::{DMat4, DVec2};
 use umbrage_shadow::{
-    CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
-    TextureShape, Viewport,
+    CasterPass, DepthTarget, Extent, Frame, Lens, LightKind, Pass, PlanError, SamplerDesc,
+    ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
+    esm::{self, Esm},
     job::{self, Bias},
     midpoint::{Midpoint, Need},
 };
@@ -53,10 +54,48 @@ pub(crate) struct Map {
     pub receivers: Option<[f64; 2]>,
     /// What keeps its receivers from shading themselves.
     pub bias: Bias,
+    /// The distances that it holds.
+    pub range: Range,
+}
+
+/// What a map's depths stand for: distances from the light along its axis, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    /// Depth 1.
+    pub near: f64,
+    /// Depth 0.
+    pub far: f64,
+    /// Whether depth is linear in one over the distance, and not in the distance.
+    pub perspective: bool,
+    /// The width of a texel at the far end.
+    pub texel: f64,
+}
+
+impl Range {
+    /// That of a map of what is `seen`, with `side` texels.
+    pub(crate) fn new(lens: &Lens, seen: &Extent, side: u32) -> Self {
+        let perspective = lens.is_perspective();
+        let spread = if perspective { seen.far } else { 1.0 };
+        Self {
+            near: seen.near,
+            far: seen.far,
+            perspective,
+            texel: spread * seen.rect.size().max_element() / f64::from(side),
+        }
+    }
+
+    /// A depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far: A + B / d solved for d.
+    pub(crate) fn ratio(&self) -> f64 {
+        if self.perspective {
+            (self.far - self.near) / self.near
+        } else {
+            0.0
+        }
+    }
 }
 
 /// How maps are read: which depth they hold, and how they are asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     depth: Depth,
     filter: Filter,
@@ -76,9 +115,10 @@ enum Depth {
 }
 
 /// The axis `filter`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Filter {
     Pcf,
+    Esm(Esm),
 }
 
 impl Reading {
@@ -88,17 +128,27 @@ impl Reading {
         ("midpoint_two_passes", Depth::Midpoint(Midpoint::TwoPasses)),
         ("nearest", Depth::Nearest),
     ];
-    const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
+    const FILTERS: [(&'static str, Option<esm::Kind>); 4] = [
+        ("esm", Some(esm::Kind::Full)),
+        ("esm_half", Some(esm::Kind::Half)),
+        ("esm_log", Some(esm::Kind::Log)),
+        ("pcf", None),
+    ];
 
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
-        Ok(Self {
+        let reading = Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
-            filter: job::choice(frame, "filter", &Self::FILTERS)?,
+            filter: match job::choice(frame, "filter", &Self::FILTERS)? {
+                Some(kind) => Filter::Esm(Esm::of(frame, kind)?),
+                None => Filter::Pcf,
+            },
             width: job::filter_width(frame)?,
             plane: job::axis(frame, "receiver_bias") == "plane",
             taper: false,
-        })
+        };
+        reading.check(frame)?;
+        Ok(reading)
     }
 
     /// Whether it is the plain one: the nearest depths, filtered by comparing them. A method that binds maps in
@@ -107,19 +157,25 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
-    /// Whether a cube map can be read so.
-    pub(crate) fn check_cube(self) -> Result<(), PlanError> {
-        let depth = name_of(self.depth, &Self::DEPTHS);
-        let filter = name_of(self.filter, &Self::FILTERS);
-        for (axis, plain, value) in [("depth", "nearest", depth), ("filter", "pcf", filter)] {
+    /// Whether what is chosen goes together.
+    fn check(self, frame: &Frame<'_>) -> Result<(), PlanError> {
+        let is_cube = matches!(frame.light.kind, LightKind::Point { .. });
+        for (axis, plain) in [("depth", "nearest"), ("filter", "pcf")] {
+            let value = job::axis(frame, axis);
             PlanError::check(
-                value == plain,
+                value == plain || !is_cube,
                 &format!("the axis `{axis}`"),
                 value,
                 &format!("{plain} under a point light, whose cube map knows no other"),
             )?;
         }
-        Ok(())
+        let sampled = self.depth == Depth::Midpoint(Midpoint::Sampled);
+        PlanError::check(
+            !sampled || self.filter == Filter::Pcf,
+            "the axis `depth`",
+            job::axis(frame, "depth"),
+            "midpoint or midpoint_two_passes where `filter` is not `pcf`: what computes from a map wants its depths",
+        )
     }
 
     /// By what a receiver's depth in a map is raised before it is compared: x + y · depth.
@@ -131,6 +187,16 @@ impl Reading {
         }
     }
 
+    /// How far a receiver is to be moved towards the light in a map of `side` texels, where `setting` texels are asked for.
+    /// An exponential filter needs it only where its window may be cut off by the edge of a small map: see [`crate::esm`].
+    pub(crate) fn depth_bias(self, setting: f64, side: u32) -> f64 {
+        let is_small = 4.0 * job::margin(self.width) > f64::from(side);
+        match self.filter {
+            Filter::Esm(_) if !is_small => 0.0,
+            _ => setting,
+        }
+    }
+
     /// Adds to `plan` what fills the maps, and what the filter reads.
     pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet) {
         match self.depth {
@@ -139,6 +205,7 @@ impl Reading {
         }
         match self.filter {
             Filter::Pcf => {}
+            Filter::Esm(esm) => esm.add(plan, sheet, |map| self.width_of(map)),
         }
         plan.fetches_per_pixel += self.fetches(0);
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
@@ -154,6 +221,7 @@ impl Reading {
     pub(crate) fn fetches(self, map: usize) -> u32 {
         match self.filter {
             Filter::Pcf => self.width_of(map).div_ceil(2).pow(2) * self.fetches_a_comparison(),
+            Filter::Esm(esm) => esm.fetches(),
         }
     }
 
@@ -171,12 +239,6 @@ impl Reading {
             plane: self.plane,
         }
     }
-}
-
-/// What a choice is called.
-fn name_of<T: PartialEq>(choice: T, known: &[(&'static str, T)]) -> &'static str {
-    let found = known.iter().find(|(_, known)| *known == choice);
-    found.map_or("unknown", |(name, _)| *name)
 }
 
 /// The nearest depths, and the hardware's comparison.
