@@ -157,6 +157,8 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+    /// How the shadow term was found, in false colours: red by filtering, yellow as lit at once, blue as shadowed.
+    Decisions,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]

@@ -79,7 +79,7 @@ impl ShadowMethod for Basic {
     }
 
     fn axes(&self) -> &[&str] {
-        &["depth", "filter", "pcf", "receiver_bias"]
+        &["block", "depth", "filter", "pcf", "receiver_bias"]
     }
 
     fn supports(&self, _: &Light) -> Support {
@@ -102,7 +102,15 @@ impl ShadowMethod for Basic {
                 outer_angle,
                 range,
             ),
-            LightKind::Point { position, range } => job.point(position - job.boxes.origin, range),
+            LightKind::Point { position, range } => {
+                PlanError::check(
+                    job.reading.is_plain(),
+                    "the light's kind",
+                    "point",
+                    "directional or spot where `depth` is not `nearest` or `filter` is not `pcf`: a cube map has no tiles",
+                )?;
+                job.point(position - job.boxes.origin, range)
+            }
         };
         Ok(plan)
     }

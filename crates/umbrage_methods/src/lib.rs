@@ -6,6 +6,7 @@
 
 pub mod basic;
 pub mod basic_twin;
+pub mod hpsm;
 mod job;
 mod maps;
 pub mod pssm;

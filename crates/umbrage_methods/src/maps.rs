@@ -11,7 +11,7 @@ use umbrage_shadow::{
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::job;
+use crate::{hpsm, job};
 
 /// The binding of the texture that holds the maps' depths.
 pub(crate) const MAP: &str = "shadow_map";
@@ -68,18 +68,26 @@ enum Depth {
 /// The axis `filter`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Filter {
+    /// With the side of its blocks, texels.
+    Hpsm(u32),
     Pcf,
 }
 
 impl Reading {
     const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
-    const FILTERS: [(&'static str, Filter); 1] = [("pcf", Filter::Pcf)];
 
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
         Ok(Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
-            filter: job::choice(frame, "filter", &Self::FILTERS)?,
+            filter: job::choice(
+                frame,
+                "filter",
+                &[
+                    ("hpsm", Filter::Hpsm(hpsm::block(frame)?)),
+                    ("pcf", Filter::Pcf),
+                ],
+            )?,
             width: job::filter_width(frame)?,
         })
     }
@@ -96,6 +104,7 @@ impl Reading {
             Depth::Nearest => nearest(plan, sheet),
         }
         match self.filter {
+            Filter::Hpsm(block) => hpsm::add(plan, sheet, self.width, block),
             Filter::Pcf => {}
         }
         plan.fetches_per_pixel += self.fetches();
@@ -104,8 +113,10 @@ impl Reading {
 
     /// The most fetches that one question takes.
     fn fetches(self) -> u32 {
+        let pcf = self.width.div_ceil(2).pow(2);
         match self.filter {
-            Filter::Pcf => self.width.div_ceil(2).pow(2),
+            Filter::Hpsm(_) => 1 + pcf,
+            Filter::Pcf => pcf,
         }
     }
 }

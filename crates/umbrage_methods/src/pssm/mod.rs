@@ -137,6 +137,7 @@ impl ShadowMethod for Pssm {
 
     fn axes(&self) -> &[&str] {
         &[
+            "block",
             "depth",
             "filter",
             "fit",

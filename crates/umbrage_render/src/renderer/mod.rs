@@ -85,6 +85,8 @@ pub enum What {
     Triangles,
     /// For each light the texture fetches that its shadow term takes, counted on the device.
     Fetches,
+    /// For each light how its shadow term was found: see [`Decision`](crate::Decision).
+    Decisions,
 }
 
 /// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
@@ -218,6 +220,7 @@ impl Renderer {
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
+            What::Decisions => self.decisions(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
