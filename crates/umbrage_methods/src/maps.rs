@@ -11,7 +11,10 @@ use umbrage_shadow::{
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
-use crate::{hpsm, job};
+use crate::{
+    hpsm::{self, Bounds},
+    job,
+};
 
 /// The binding of the texture that holds the maps' depths.
 pub(crate) const MAP: &str = "shadow_map";
@@ -57,6 +60,8 @@ pub(crate) struct Reading {
     filter: Filter,
     /// The filter's width, texels: the axis `pcf`.
     pub width: u32,
+    /// The side of a block, texels: the axis `block`.
+    block: u32,
 }
 
 /// The axis `depth`.
@@ -68,26 +73,27 @@ enum Depth {
 /// The axis `filter`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Filter {
-    /// With the side of its blocks, texels.
-    Hpsm(u32),
+    Bounded(Bounds),
     Pcf,
 }
 
 impl Reading {
     const DEPTHS: [(&'static str, Depth); 1] = [("nearest", Depth::Nearest)];
 
+    const FILTERS: [(&'static str, Filter); 5] = [
+        ("hpsm", Filter::Bounded(Bounds::Around)),
+        ("hpsm_naive", Filter::Bounded(Bounds::Bare)),
+        ("min_max", Filter::Bounded(Bounds::Around)),
+        ("min_max_tree", Filter::Bounded(Bounds::Tree)),
+        ("pcf", Filter::Pcf),
+    ];
+
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
         Ok(Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
-            filter: job::choice(
-                frame,
-                "filter",
-                &[
-                    ("hpsm", Filter::Hpsm(hpsm::block(frame)?)),
-                    ("pcf", Filter::Pcf),
-                ],
-            )?,
+            filter: job::choice(frame, "filter", &Self::FILTERS)?,
+            block: hpsm::block(frame)?,
             width: job::filter_width(frame)?,
         })
     }
@@ -104,7 +110,7 @@ impl Reading {
             Depth::Nearest => nearest(plan, sheet),
         }
         match self.filter {
-            Filter::Hpsm(block) => hpsm::add(plan, sheet, self.width, block),
+            Filter::Bounded(bounds) => bounds.add(plan, sheet, self.width, self.block),
             Filter::Pcf => {}
         }
         plan.fetches_per_pixel += self.fetches();
@@ -115,7 +121,7 @@ impl Reading {
     fn fetches(self) -> u32 {
         let pcf = self.width.div_ceil(2).pow(2);
         match self.filter {
-            Filter::Hpsm(_) => 1 + pcf,
+            Filter::Bounded(bounds) => bounds.fetches(self.width, self.block) + pcf,
             Filter::Pcf => pcf,
         }
     }
