@@ -24,7 +24,12 @@ pub struct Place {
 impl Place {
     /// What the shader reads of where it is.
     pub fn at(&self) -> [f32; 4] {
-        [self.at[0], self.at[1], self.tile.x as f32, self.tile.y as f32]
+        [
+            self.at[0],
+            self.at[1],
+            self.tile.x as f32,
+            self.tile.y as f32,
+        ]
     }
 
     /// What the shader reads of its plane.
@@ -102,7 +107,11 @@ impl Maps {
                 4 => -0.2 * random.unit(),
                 _ => lean + (0.5 + random.unit()) * (lean + 1e-5),
             };
-            let slope = if random.below(8) == 0 { [0.0; 2] } else { [a, b] };
+            let slope = if random.below(8) == 0 {
+                [0.0; 2]
+            } else {
+                [a, b]
+            };
             Place {
                 tile,
                 at: at.map(|at| at as f32),

@@ -157,6 +157,7 @@ fn light(
     };
     let axes: &[_] = match method {
         "pssm" => &[
+            "block",
             "depth",
             "filter",
             "fit",
@@ -165,7 +166,7 @@ fn light(
             "receiver_bias",
             "transition",
         ],
-        _ => &["depth", "filter", "pcf", "receiver_bias"],
+        _ => &["block", "depth", "filter", "pcf", "receiver_bias"],
     };
     let axes = axes.iter().map(|axis| {
         let value = library.axes().value(key, axis).unwrap_or("");

@@ -84,7 +84,12 @@ impl ShadowMethod for Probe {
                 bytes: numbers.into_iter().flat_map(f32::to_le_bytes).collect(),
             });
         };
-        add("probe_depths", TextureFormat::R32Float, size, maps.depths.clone());
+        add(
+            "probe_depths",
+            TextureFormat::R32Float,
+            size,
+            maps.depths.clone(),
+        );
         let at = places.iter().flat_map(Place::at).collect();
         add("probe_places", TextureFormat::Rgba32Float, pixels, at);
         let planes = places.iter().flat_map(Place::plane).collect();
@@ -158,14 +163,21 @@ struct Studio {
 
 impl Studio {
     fn new() -> Self {
-        let files = [("axes.ron", AXES), ("probe.wesl", SHADER), ("fill.wesl", FILL)];
+        let files = [
+            ("axes.ron", AXES),
+            ("probe.wesl", SHADER),
+            ("fill.wesl", FILL),
+        ];
         let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
         let probe = Package::from_sources("probe", "probe", files).expect("a package");
         let ours = umbrage::shader_package().expect("the shader library is sound");
         let library = Library::new([ours, probe]).expect("they fit together");
         let composer = Arc::new(Composer::new(library, Target::webgpu()));
         let mut registry = umbrage::methods::registry().expect("names are unique");
-        for probe in [Probe::new("basic_probe", Basic), Probe::new("pssm_probe", Pssm)] {
+        for probe in [
+            Probe::new("basic_probe", Basic),
+            Probe::new("pssm_probe", Pssm),
+        ] {
             registry.register(probe).expect("names are unique");
         }
         let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
@@ -178,7 +190,11 @@ impl Studio {
     }
 
     fn render(&mut self, what: What, trial: &Trial, filter: &str) -> Rendered {
-        let axes = [("filter", filter), ("pcf", trial.width), ("block", trial.block)];
+        let axes = [
+            ("filter", filter),
+            ("pcf", trial.width),
+            ("block", trial.block),
+        ];
         let axes = axes.map(|(axis, value)| (axis.to_owned(), value.to_owned()));
         let options = RenderOptions {
             width: SIZE,
@@ -303,8 +319,15 @@ fn check(filters: &[&str], widths: &[&'static str], seeds: u32) {
         let plain = filter.starts_with("min_max");
         for (decision, share) in Decision::ALL.into_iter().zip(all) {
             let by_plane = matches!(decision, Decision::LitByPlane | Decision::ShadowedByPlane);
-            let expected = if by_plane && plain { 0.0..=0.0 } else { 0.005..=0.9 };
-            assert!(expected.contains(&share), "{filter}: {decision:?} in {share} of {all:?}");
+            let expected = if by_plane && plain {
+                0.0..=0.0
+            } else {
+                0.005..=0.9
+            };
+            assert!(
+                expected.contains(&share),
+                "{filter}: {decision:?} in {share} of {all:?}"
+            );
         }
     }
 }
@@ -316,5 +339,9 @@ fn bounds_with_planes_decide_as_the_filter_does() {
 
 #[test]
 fn other_bounds_decide_as_the_filter_does() {
-    check(&["hpsm_naive", "min_max", "min_max_tree"], &["3", "5", "7", "15"], 1);
+    check(
+        &["hpsm_naive", "min_max", "min_max_tree"],
+        &["3", "5", "7", "15"],
+        1,
+    );
 }

@@ -1,5 +1,5 @@
 //! Hybrid min/max plane shadow maps.
-use umbrage_shadow::{ComputePass, Constants, Pass, PlanError, Frame, Reads, ShadowPlan, Value};
+use umbrage_shadow::{ComputePass, Constants, Frame, Pass, PlanError, Reads, ShadowPlan, Value};
 use wgpu_types::TextureFormat;
 
 use crate::{

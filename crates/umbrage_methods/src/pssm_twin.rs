@@ -63,8 +63,12 @@ impl PssmTwin {
         let Value::Vec3(forward) = plan.constants.get("forward")? else {
             return None;
         };
-        let splits = plan.passes.iter().zip(crops).map(|(pass, crop)| {
-            let (Pass::Casters(pass), Value::Struct(crop)) = (pass, crop) else {
+        let casters = plan.passes.iter().filter_map(|pass| match pass {
+            Pass::Casters(pass) => Some(pass),
+            _ => None,
+        });
+        let splits = casters.zip(crops).map(|(pass, crop)| {
+            let Value::Struct(crop) = crop else {
                 return None;
             };
             Some(Split {

@@ -20,6 +20,7 @@ impl Scene {
     pub(crate) fn new(kind: LightKind) -> Self {
         let axes = [
             ("depth", "nearest"),
+            ("block", "4"),
             ("filter", "pcf"),
             ("fit", "stable"),
             ("lookup", "packed"),
