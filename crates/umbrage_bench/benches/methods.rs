@@ -5,6 +5,9 @@
     reason = "a benchmark reports on standard output"
 )]
 
+#[path = "methods/bounds.rs"]
+mod bounds;
+
 use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
 
 use serde::Serialize;
@@ -15,7 +18,7 @@ use umbrage_measure::{
     report::{Row, Spread},
     study::{CompareOptions, Config, Lab, compare},
 };
-use umbrage_render::{Gpu, Scene};
+use umbrage_render::{Gpu, Renderer, Scene};
 
 /// The ways in which `pssm` finds a split's map, the naive one first.
 const LOOKUPS: [&str; 7] = [
@@ -42,6 +45,8 @@ struct Report {
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
     variants: BTreeMap<&'static str, Variant>,
+    #[serde(flatten)]
+    bounds: bounds::Report,
 }
 
 #[derive(Serialize)]
@@ -63,9 +68,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let composer = Arc::new(Composer::new(library, Target::webgpu()));
     let gpu = Arc::new(Gpu::new()?);
     let methods = umbrage_methods::registry()?;
+    let mut renderer = Renderer::new(Arc::clone(&gpu), Arc::clone(&composer), methods.clone());
     let mut lab = Lab::new(gpu, Arc::clone(&composer), methods);
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes");
     let scene = Scene::load(scenes.join("avenue.ron"))?;
+    let bounds = bounds::measure(&mut renderer, &scenes)?;
+    bounds.print();
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
@@ -89,7 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for lookup in LOOKUPS {
         costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
     }
-    let report = report(lab.adapter(), family, rows, &costs)?;
+    let report = report(lab.adapter(), family, rows, &costs, bounds)?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -167,6 +175,7 @@ fn report(
     family: &str,
     rows: &[Row],
     costs: &BTreeMap<&str, umbrage_isa::Isa>,
+    bounds: bounds::Report,
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -201,5 +210,6 @@ fn report(
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         variants,
+        bounds,
     })
 }

@@ -351,6 +351,30 @@ mod tests {
     }
 
     #[test]
+    fn decisions_have_colours_of_their_own() {
+        let picture = Picture::Decisions(vec![
+            vec![Decision::Filtered, Decision::Unasked],
+            vec![Decision::Filtered, Decision::LitByDepth],
+        ]);
+        let image = rendered(picture).to_image().into_rgb8();
+        assert_eq!(image.into_raw(), [220, 50, 47, 127, 125, 102]);
+        let mut colors = Decision::ALL.map(Decision::color).to_vec();
+        colors.sort_unstable();
+        colors.dedup();
+        assert_eq!(colors.len(), Decision::ALL.len());
+        // By the shader's numbers, and what is none of them.
+        assert_eq!(
+            [0.0, 1.0, 5.0, 9.0].map(Decision::of),
+            [
+                Decision::Unasked,
+                Decision::Filtered,
+                Decision::ShadowedByPlane,
+                Decision::Unasked,
+            ]
+        );
+    }
+
+    #[test]
     fn pictures_are_written_whole_or_not_at_all() {
         let dir = tempfile::TempDir::new().expect("a folder");
         let image = rendered(Picture::Shaded(vec![[1.0; 3]; 2]));

@@ -131,6 +131,9 @@ pub struct Row {
     pub draws: u32,
     /// Texture fetches of `calc_shadow` a pixel, counted on the device, mean over the compared pixels.
     pub fetches_per_pixel: f64,
+    /// Of the compared samples that ask a shadow map, the share that bounds of its depths decide without filtering,
+    /// 0 to 1.
+    pub decided: f64,
     /// What a GPU's compiler makes of the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
     /// Whether no other configuration of the scene is at once no worse and somewhere better, in error

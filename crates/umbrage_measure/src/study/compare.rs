@@ -191,11 +191,14 @@ impl Run<'_> {
         }
         let options = config.options(subject.size());
         let drawn = self.lab.terms(subject, &options).and_then(|terms| {
-            let fetches = self.lab.fetches(subject, &options)?;
-            Ok((terms, fetches, self.lab.shaded(subject, &options)?))
+            let counts = (
+                self.lab.fetches(subject, &options)?,
+                self.lab.decided(subject, &options)?,
+            );
+            Ok((terms, counts, self.lab.shaded(subject, &options)?))
         });
         // What the device refuses of one configuration says nothing of the others.
-        let (terms, fetches_per_pixel, shaded) = match drawn {
+        let (terms, (fetches_per_pixel, decided), shaded) = match drawn {
             Ok(drawn) => drawn,
             Err(error) => return Ok(Err(error.to_string())),
         };
@@ -221,6 +224,7 @@ impl Run<'_> {
             passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
             fetches_per_pixel,
+            decided,
             isa: self.isa(&shaded)?,
             ..Row::default()
         };

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use umbrage_compose::{Composer, Library, Permutation};
-use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{
+    Decision, Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What,
+};
 use umbrage_shadow::{Registry, Support};
 
 use super::StudyError;
@@ -133,16 +135,33 @@ impl Lab {
             Picture::Fetches(counts) => counts,
             _ => Vec::new(),
         };
-        let (mut sum, mut samples) = (0.0, 0_u64);
-        for (counts, truth) in counts.iter().zip(&subject.truth.terms) {
-            for (pixel, (count, term)) in counts.iter().zip(truth).enumerate() {
-                if term.is_some() && subject.agrees(pixel) {
-                    sum += f64::from(*count);
-                    samples += 1;
-                }
-            }
-        }
+        let compared = subject.compared(&counts);
+        let (sum, samples) = compared.fold((0.0, 0_u64), |(sum, samples), count| {
+            (sum + f64::from(count), samples + 1)
+        });
         Ok(sum / samples.max(1) as f64)
+    }
+
+    /// The share of the compared samples that ask a map and are decided without filtering it.
+    pub(super) fn decided(
+        &mut self,
+        subject: &Subject<'_>,
+        options: &RenderOptions,
+    ) -> Result<f64, RenderError> {
+        let options = RenderOptions {
+            what: What::Decisions,
+            ..options.clone()
+        };
+        let decisions = match self.renderer.render(subject.scene, &options)?.picture {
+            Picture::Decisions(decisions) => decisions,
+            _ => Vec::new(),
+        };
+        let (mut decided, mut asked) = (0_u64, 0_u64);
+        for decision in subject.compared(&decisions) {
+            asked += u64::from(decision != Decision::Unasked);
+            decided += u64::from(!matches!(decision, Decision::Unasked | Decision::Filtered));
+        }
+        Ok(decided as f64 / asked.max(1) as f64)
     }
 
     /// The shaded picture, and how long its passes took.
@@ -206,6 +225,17 @@ impl Subject<'_> {
         let seen = self.truth.sight.seen().get(pixel).copied().flatten();
         let seen = seen.map(|seen| (seen.object, seen.triangle));
         self.raster.get(pixel).copied().flatten() == seen
+    }
+
+    /// What pictures by lights hold of the samples that are compared.
+    fn compared<T: Copy>(&self, pictures: &[Vec<T>]) -> impl Iterator<Item = T> {
+        let lights = pictures.iter().zip(&self.truth.terms);
+        lights.flat_map(|(picture, truth)| {
+            let pixels = picture.iter().zip(truth).enumerate();
+            let compared =
+                pixels.filter(|(pixel, (_, term))| term.is_some() && self.agrees(*pixel));
+            compared.map(|(_, (found, _))| *found)
+        })
     }
 
     /// The errors of the shadow terms in `rendered`.

@@ -280,6 +280,14 @@ pub(super) static GROUPS: &[Group] = &[
                 number,
             ),
             column(
+                "decided",
+                "decided",
+                "%",
+                "samples that bounds of the depths around decide, unfiltered",
+                |row| Some(100.0 * row.decided),
+                number,
+            ),
+            column(
                 "texels",
                 "texels",
                 "",

@@ -75,6 +75,7 @@ pub(in crate::report) fn full_row() -> Row {
         passes: 6003,
         draws: 6004,
         fetches_per_pixel: 5.2,
+        decided: 0.53,
         isa: Some(Isa {
             family: "navi21".to_owned(),
             instructions: 7001,
