@@ -153,7 +153,7 @@ impl Bounds {
         const SPAN: u32 = 16;
         match self {
             Self::Around => {
-                let beyond = (width + 3) / 4 * 2;
+                let beyond = 2 * width.div_ceil(4);
                 let cell = block.min(1 << beyond.trailing_zeros());
                 (SPAN - 2 * (beyond / cell)) / (block / cell)
             }
