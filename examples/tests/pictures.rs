@@ -93,6 +93,18 @@ fn scenes() -> BTreeSet<String> {
     scenes
 }
 
+/// What is compared: for each scene its own picture, and a map's splits where there is most to see of them.
+fn pictures() -> Vec<(String, String, What)> {
+    let scenes = scenes().into_iter();
+    let shaded = scenes.map(|name| (name.clone(), name, What::Shaded));
+    let splits = (
+        "avenue_splits".to_owned(),
+        "avenue".to_owned(),
+        What::Splits,
+    );
+    shaded.chain([splits]).collect()
+}
+
 fn renderer() -> Renderer {
     let composer = Composer::new(shader_library().expect("a library"), Target::webgpu());
     let gpu = Gpu::new().expect("an adapter");
@@ -126,8 +138,8 @@ fn scenes_look_as_their_pictures_do() {
     let bless = std::env::var_os("UMBRAGE_BLESS").is_some_and(|value| value == "1");
     let mut renderer = renderer();
     let mut wrong = Vec::new();
-    for name in scenes() {
-        let rendered = render(&mut renderer, &name, SIZE, What::Shaded, None);
+    for (name, scene, what) in pictures() {
+        let rendered = render(&mut renderer, &scene, SIZE, what, None);
         let reference = folder("pictures").join(format!("{name}.png"));
         if bless {
             rendered.save_png(&reference).expect("written");
@@ -168,10 +180,10 @@ fn scenes_look_as_their_pictures_do() {
 #[test]
 fn every_picture_is_a_scenes() {
     // The other direction, a scene without a picture, fails where they are compared.
-    let scenes = scenes();
+    let known: BTreeSet<_> = pictures().into_iter().map(|(name, ..)| name).collect();
     for picture in names(&folder("pictures"), "png") {
         assert!(
-            scenes.contains(&picture),
+            known.contains(&picture),
             "pictures/{picture}.png has no scene: remove it"
         );
     }
@@ -188,7 +200,7 @@ fn scenes_need_no_permutation_that_the_manifest_lacks() {
         .collect();
     let mut renderer = renderer();
     for name in scenes() {
-        for what in [What::Shaded, What::ShadowTerm] {
+        for what in [What::Shaded, What::ShadowTerm, What::Splits] {
             let report = render(&mut renderer, &name, (96, 64), what, None).report;
             assert!(!report.permutations.is_empty(), "{name}");
             for used in report.permutations {

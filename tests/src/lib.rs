@@ -1,6 +1,7 @@
 //! What the tests of every permutation share: a scene that a key chooses, and an oracle for its shadow
 //! term that uses nothing of the GPU.
 
+mod air;
 mod colored;
 mod maps;
 mod oracle;

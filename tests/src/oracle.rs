@@ -9,12 +9,13 @@ use glam::{DMat4, DVec2, DVec3, Vec2};
 use umbrage::{
     methods::{
         basic_twin::BasicTwin,
+        midpoint::MidpointTwin,
         pssm_twin::{Choice, PssmTwin},
     },
     shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
 };
 
-use crate::Stage;
+use crate::{Stage, air};
 
 /// How far a rasteriser may move a triangle's corner to its own grid, in texels: Vulkan asks for a
 /// grid of a 16th at the least, and most have a 256th, which rounding and division make about this.
@@ -34,13 +35,15 @@ pub enum Pixel {
 
 /// The stage's triangles and its light's plan.
 pub struct Oracle<'a> {
-    stage: &'a Stage,
-    view: View,
+    pub(crate) stage: &'a Stage,
+    pub(crate) view: View,
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
     twin: Option<Twin>,
     /// Whether bounds are read before the maps.
     bounded: bool,
+    /// What maps hold where it is not the nearest depth.
+    midpoint: Option<MidpointTwin>,
     /// The least and greatest depth of the map's texels that were asked for.
     texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
@@ -60,9 +63,19 @@ struct Triangle {
     object: usize,
     /// Its place in the object's mesh.
     number: usize,
+    /// Unit: where its front looks.
+    normal: DVec3,
 }
 
-struct Hit {
+/// Which faces a ray may hit.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Either,
+    Front,
+    Back,
+}
+
+pub(crate) struct Hit {
     distance: f64,
     triangle: usize,
     /// How near the hit is to the triangle's edge or a hole's, as a share of the triangle.
@@ -84,8 +97,12 @@ impl<'a> Oracle<'a> {
                         .transform_point3(mesh.positions[indices[i] as usize].as_dvec3())
                 };
                 let uv = |i: usize| mesh.uvs[indices[i] as usize];
+                let [a, b, c] = [corner(0), corner(1), corner(2)];
+                // A mirror turns the winding, and not the front.
+                let turned = instance.transform.matrix3.determinant().signum();
                 triangles.push(Triangle {
-                    corners: [corner(0), corner(1), corner(2)],
+                    corners: [a, b, c],
+                    normal: turned * (b - a).cross(c - a).normalize(),
                     uvs: [uv(0), uv(1), uv(2)],
                     object,
                     number,
@@ -97,8 +114,8 @@ impl<'a> Oracle<'a> {
         let shadow = light.shadow.as_ref();
         let filter = shadow.and_then(|shadow| shadow.axes.get("filter"));
         let bounded = filter.is_some_and(|filter| filter != "pcf");
-        let (plan, twin) = match &light.shadow {
-            None => (ShadowPlan::default(), None),
+        let (plan, twin, midpoint) = match &light.shadow {
+            None => (ShadowPlan::default(), None, None),
             Some(shadow) => {
                 let method = registry.get(&shadow.method).ok()?;
                 let chosen = shadow
@@ -112,6 +129,7 @@ impl<'a> Oracle<'a> {
                     .iter()
                     .copied()
                     .filter(|bounds| frustum.intersects(bounds) && light.light.reaches(bounds))
+                    .chain(air::shaded(scene, &view, &light.light))
                     .collect();
                 let axes: BTreeMap<_, _> = shadow.axes.clone();
                 let plan = method
@@ -124,6 +142,7 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
+                        seen: None,
                     })
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;
@@ -131,14 +150,24 @@ impl<'a> Oracle<'a> {
                 let twin = if shadow.method == "pssm" {
                     let choice = Choice {
                         lookup: axes.get("lookup")?.clone(),
+                        taper: axes.get("taper")? == "on",
                         transition: axes.get("transition")?.clone(),
+                        depth: axes.get("depth")?.clone(),
                         band: settings.get("band"),
                     };
                     Twin::Pssm(PssmTwin::new(&plan, width, plane, choice)?)
                 } else {
                     Twin::Basic(BasicTwin::new(&plan, width, plane)?)
                 };
-                (plan, Some(twin))
+                let midpoint = axes
+                    .get("depth")?
+                    .starts_with("midpoint")
+                    .then_some(MidpointTwin {
+                        depth_bias: settings.get("depth_bias"),
+                        width,
+                        receiver_plane: plane,
+                    });
+                (plan, Some(twin), midpoint)
             }
         };
         Some(Self {
@@ -148,6 +177,7 @@ impl<'a> Oracle<'a> {
             plan,
             twin,
             bounded,
+            midpoint,
             texels: RefCell::default(),
         })
     }
@@ -158,23 +188,27 @@ impl<'a> Oracle<'a> {
             Ok(receiver) => receiver,
             Err(none) => return none,
         };
-        let Some(twin) = &self.twin else {
-            return Pixel::Term(1.0, 1.0);
-        };
-        match twin {
-            Twin::Basic(twin) => {
+        let [dark, lit] = self.term(position, normal);
+        Pixel::Term(dark, lit)
+    }
+
+    /// The least and the greatest shadow term at a point on a plane with this normal, zero where it is unknown.
+    pub(crate) fn term(&self, position: DVec3, normal: DVec3) -> [f64; 2] {
+        match &self.twin {
+            None => [1.0; 2],
+            Some(Twin::Basic(twin)) => {
                 let term = |pick: fn((f32, f32)) -> f32| {
                     let texel = |layer, x, y| pick(self.texel(layer, x, y));
                     twin.calc_shadow(position, normal, texel)
                 };
-                Pixel::Term(term(|range| range.1), term(|range| range.0))
+                [term(|range| range.1), term(|range| range.0)]
             }
-            Twin::Pssm(twin) => {
+            Some(Twin::Pssm(twin)) => {
                 let term = |pick: fn((f32, f32)) -> f32| {
                     let texel = |pass: usize, x, y| pick(self.texel(pass as u32, x, y));
                     twin.calc_shadow(position, normal, texel)
                 };
-                Pixel::Term(term(|range| range.1)[0], term(|range| range.0)[1])
+                [term(|range| range.1)[0], term(|range| range.0)[1]]
             }
         }
     }
@@ -230,16 +264,19 @@ impl<'a> Oracle<'a> {
 
     fn most_fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
         let (position, normal) = self.receiver(x, y, width, height)?;
+        let [least, most] = self.fetches_at(position, normal);
+        if least == most {
+            Ok(least)
+        } else {
+            Err(Pixel::Edge)
+        }
+    }
+
+    /// The least and the most texture fetches that the shadow term of a point takes.
+    pub(crate) fn fetches_at(&self, position: DVec3, normal: DVec3) -> [u32; 2] {
         let twin = match &self.twin {
-            None => return Ok(0),
-            Some(Twin::Pssm(twin)) => {
-                let [least, most] = twin.fetches(position);
-                return if least == most {
-                    Ok(least)
-                } else {
-                    Err(Pixel::Edge)
-                };
-            }
+            None => return [0; 2],
+            Some(Twin::Pssm(twin)) => return twin.fetches(position),
             Some(Twin::Basic(twin)) => twin,
         };
         let reads = Cell::new(false);
@@ -247,11 +284,12 @@ impl<'a> Oracle<'a> {
             reads.set(true);
             0.0
         });
-        Ok(if reads.get() {
+        let fetches = if reads.get() {
             self.plan.fetches_per_pixel
         } else {
             0
-        })
+        };
+        [fetches; 2]
     }
 
     /// The least and the greatest depth that the first map holds where the pixel's surface falls into
@@ -279,11 +317,17 @@ impl<'a> Oracle<'a> {
     }
 
     /// What the pixel sees, and where (metres, relative to the camera).
-    fn see(&self, x: u32, y: u32, width: u32, height: u32) -> Result<(Hit, DVec3), Pixel> {
+    pub(crate) fn see(
+        &self,
+        x: u32,
+        y: u32,
+        width: u32,
+        height: u32,
+    ) -> Result<(Hit, DVec3), Pixel> {
         let at = |value: u32, of: u32| (f64::from(value) + 0.5) / f64::from(of);
         let ndc = DVec2::new(2.0 * at(x, width) - 1.0, 1.0 - 2.0 * at(y, height));
         let (start, direction) = ray(self.view.view_proj_relative(), ndc);
-        let hit = self.cast(self.view.position + start, direction);
+        let hit = self.cast(self.view.position + start, direction, Side::Either);
         let hit = hit.ok_or(Pixel::Background)?;
         if hit.margin < 0.02 {
             return Err(Pixel::Edge);
@@ -324,8 +368,8 @@ impl<'a> Oracle<'a> {
                 (number == layer as usize).then_some(pass)
             }
             (Pass::Casters(pass), _) => {
-                let own = pass.depth.as_ref().map(|depth| depth.layer);
-                (own == Some(layer)).then_some(pass)
+                let own = pass.depth.as_ref().map_or(0, |depth| depth.layer);
+                (own == layer).then_some(pass)
             }
             _ => None,
         });
@@ -333,18 +377,35 @@ impl<'a> Oracle<'a> {
         let Some(pass) = pass else { return 0.0 };
         let at = place / f64::from(pass.viewport.width);
         let matrix = pass.view_proj.as_dmat4();
-        let (start, direction) = ray(matrix, DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y));
-        let hit = self.cast(self.view.position + start, direction);
-        let depth = hit.map(|hit| matrix.project_point3(start + direction * hit.distance).z);
-        depth
-            .filter(|depth| (0.0..=1.0).contains(depth))
-            .unwrap_or(0.0) as f32
+        let ndc = DVec2::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y);
+        let (start, direction) = ray(matrix, ndc);
+        let nearest = |side| {
+            let hit = self.cast(self.view.position + start, direction, side);
+            let depth = hit.map(|hit| matrix.project_point3(start + direction * hit.distance).z);
+            depth
+                .filter(|depth| (0.0..=1.0).contains(depth))
+                .unwrap_or(0.0)
+        };
+        let depth = match self.midpoint {
+            None => nearest(Side::Either),
+            Some(midpoint) => midpoint.depth(nearest(Side::Front), nearest(Side::Back), |depth| {
+                texel_width(matrix, ndc.extend(depth), pass.viewport.width)
+            }),
+        };
+        depth as f32
     }
 
     /// The first solid hit on the ray's way.
-    fn cast(&self, start: DVec3, direction: DVec3) -> Option<Hit> {
+    fn cast(&self, start: DVec3, direction: DVec3, side: Side) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         for (index, triangle) in self.triangles.iter().enumerate() {
+            let seen = match triangle.normal.dot(direction) < 0.0 {
+                true => Side::Front,
+                false => Side::Back,
+            };
+            if side != Side::Either && side != seen {
+                continue;
+            }
             let [a, b, c] = triangle.corners;
             // Möller and Trumbore 1997.
             let (ab, ac) = (b - a, c - a);
@@ -389,9 +450,24 @@ impl<'a> Oracle<'a> {
     }
 }
 
+/// How much the depth differs over the longer side of a texel at `ndc` of a map `size` texels along, laid along
+/// the light's axis.
+fn texel_width(matrix: DMat4, ndc: DVec3, size: u32) -> f64 {
+    // Of a whole.
+    const SMALL: f64 = 1e-6;
+    let inverse = matrix.inverse();
+    let middle = inverse.project_point3(ndc);
+    let step = |by: DVec3| inverse.project_point3(ndc + by) - middle;
+    let texel = 2.0 / f64::from(size);
+    let (across, down) = (step(DVec3::X * texel), step(DVec3::Y * texel));
+    let axis = across.cross(down).normalize();
+    let deep = step(DVec3::Z * SMALL).dot(axis).abs() / SMALL;
+    across.length().max(down.length()) / deep
+}
+
 /// The ray through `ndc`: where it starts (depth 1, the near plane) and its unit direction, in the
 /// space that `matrix` takes to clip space.
-fn ray(matrix: DMat4, ndc: DVec2) -> (DVec3, DVec3) {
+pub(crate) fn ray(matrix: DMat4, ndc: DVec2) -> (DVec3, DVec3) {
     let inverse = matrix.inverse();
     let near = inverse.project_point3(ndc.extend(1.0));
     // Depth 0 may be infinitely far; halfway in depth is somewhere beyond the near plane.

@@ -7,7 +7,8 @@ use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage::{
     compose::{Key, Library},
     render::{
-        Camera, Image, Level, Material, Mesh, Object, Scene, SceneLight, Shadow, Texture, Wrap,
+        Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneLight, Shadow, Texture,
+        Wrap,
     },
     shadow::{Light, LightKind},
 };
@@ -44,6 +45,10 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
     let material = |opacity: f32, mask: &Option<Arc<Image>>| {
         let mut material = Material::plain(surface);
         material.base_color = Vec4::new(0.8, 0.7, 0.6, opacity);
+        if value("pass").starts_with("shaft") {
+            // What is seen is the air alone.
+            material.base_color = Vec4::W;
+        }
         material.roughness = 0.6;
         material.alpha_cutoff = alpha_test.then_some(0.5);
         material.base_color_texture = mask.as_ref().map(|image| Texture {
@@ -53,6 +58,8 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         });
         Arc::new(material)
     };
+    let pass = value("pass");
+    let scatters = pass.starts_with("shaft");
     let white = on("base_color_texture").then(|| Arc::new(Image::white()));
     let plain = material(1.0, &white);
     let screen = material(if mask.is_some() { 1.0 } else { 0.2 }, &mask);
@@ -120,8 +127,13 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
             near: 0.1,
             far: 50.0,
         },
-        ambient: Vec3::ZERO,
+        ambient: Vec3::splat(if pass == "haze" { 1.0 } else { 0.0 }),
         background: Vec3::ZERO,
+        medium: (on("medium") || pass == "haze" || scatters).then_some(Medium {
+            scattering: if scatters { 0.2 } else { 0.0 },
+            absorption: 0.05,
+            anisotropy: 0.3,
+        }),
     };
     Stage {
         scene,
@@ -163,7 +175,9 @@ fn light(
             "fit",
             "lookup",
             "pcf",
+            "range",
             "receiver_bias",
+            "taper",
             "transition",
         ],
         _ => &["block", "depth", "filter", "pcf", "receiver_bias"],
@@ -181,7 +195,12 @@ fn light(
         name: "light".to_owned(),
         light: Light {
             kind,
-            color: Vec3::splat(8.0),
+            // Air dims ambient light alone, and scatters little of a lamp's.
+            color: Vec3::splat(match library.axes().value(key, "pass") {
+                Some("haze") => 0.0,
+                Some("shafts" | "shaft_fetches") => 800.0,
+                _ => 8.0,
+            }),
         },
         cookie: cookie.then(|| Arc::new(Image::white())),
         shadow,

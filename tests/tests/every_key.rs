@@ -21,11 +21,13 @@ use umbrage::{
 use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
 
 const SIZE: u32 = 40;
+/// Steps along a ray through the air.
+const STEPS: u32 = 16;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 8] = [
+const SHADOW_AXES: [&str; 9] = [
     "block",
     "depth",
     "filter",
@@ -33,6 +35,7 @@ const SHADOW_AXES: [&str; 8] = [
     "method",
     "pcf",
     "receiver_bias",
+    "taper",
     "transition",
 ];
 
@@ -52,7 +55,8 @@ fn manifests() -> Vec<PathBuf> {
     paths
 }
 
-/// The keys of all manifests, one for each distinct permutation.
+/// The keys of all manifests, one for each distinct permutation, and for each depth that it may read: that is what other
+/// passes draw, and no part of the permutation.
 fn permutations(composer: &Composer) -> Vec<Key> {
     let mut distinct = BTreeMap::new();
     for path in manifests() {
@@ -61,7 +65,11 @@ fn permutations(composer: &Composer) -> Vec<Key> {
             let projected = composer
                 .project(key)
                 .unwrap_or_else(|error| panic!("{error}"));
-            distinct.entry(projected).or_insert_with(|| key.clone());
+            let depth = composer.library().axes().value(key, "depth");
+            let depth = depth.unwrap_or("").to_owned();
+            distinct
+                .entry((projected, depth))
+                .or_insert_with(|| key.clone());
         }
     }
     distinct.into_values().collect()
@@ -107,6 +115,7 @@ impl Studio {
             height: SIZE,
             what,
             path,
+            shaft_steps: STEPS,
             ..RenderOptions::default()
         };
         self.renderer
@@ -120,14 +129,18 @@ impl Studio {
         let value = |axis: &str| axes.value(key, axis).unwrap_or("");
         let drawn = self.staged(key);
         let what = match value("pass") {
-            "illumination" | "base" => What::Shaded,
+            "illumination" | "base" | "haze" | "shafts" => What::Shaded,
             "decision" => What::Decisions,
+            "shaft_fetches" => What::ShaftFetches,
             "fetch_count" => What::Fetches,
             "triangle" => What::Triangles,
             _ => What::ShadowTerm,
         };
-        let masked = value("method") == "mask" || ["linear_depth", "mask"].contains(&value("pass"));
-        let path = if masked { Way::Mask } else { Way::Forward };
+        let path = match (value("pass"), value("method")) {
+            ("region", _) => Way::MaskBySplit,
+            ("linear_depth" | "mask", _) | (_, "mask") => Way::Mask,
+            _ => Way::Forward,
+        };
         let rendered = self.render(&drawn, what, path);
         let projected = self.composer.project(key).expect("it was projected before");
         if !rendered
@@ -139,6 +152,8 @@ impl Studio {
             return Some(format!("{key} was not drawn"));
         }
         let wrong = match (&rendered.picture, value("pass")) {
+            // What it finds is held to a picture's own depths where it is read: `seen.rs` of the renderer.
+            (_, "depth_range") => None,
             (Picture::ShadowTerm(terms), pass) => {
                 let rounding = match pass {
                     "caster_depth" => DEPTH_ROUNDING,
@@ -146,6 +161,14 @@ impl Studio {
                 };
                 compare(&self.expected(key, &drawn), rounding, |pixel| {
                     Some(f64::from(terms[0][pixel]))
+                })
+            }
+            (Picture::Fetches(counts), "shaft_fetches") => {
+                // Nowhere is nothing fetched.
+                let same = |expected: f32, found| expected == found;
+                compare_all(&drawn, &counts[0], -1.0, same, |oracle, x, y| {
+                    let sure = oracle.air_fetches(x, y, SIZE, STEPS);
+                    sure.map_err(|_| Pixel::Edge)
                 })
             }
             (Picture::Fetches(counts), _) => {
@@ -168,8 +191,14 @@ impl Studio {
             (Picture::Decisions(decisions), _) => {
                 misjudged(&self.expected(key, &drawn), &decisions[0])
             }
+            (Picture::Shaded(colors), "haze") => {
+                compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
+                    // The background is black.
+                    Some(f64::from(colors[pixel][0] / 0.8)).filter(|share| *share > 0.0)
+                })
+            }
             // The base pass knows no light: that it is drawn, and valid, is all.
-            (_, "base") => None,
+            (_, "base") | (Picture::Splits { .. }, _) => None,
             (Picture::Shaded(colors), _) => {
                 let unshadowed = self.unshadowed(key);
                 compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
@@ -194,12 +223,20 @@ impl Studio {
             // Whatever method a mask is of, its readers are the same.
             _ if method == "mask" => Some("basic"),
             "caster_depth" => Some("colored"),
+            "caster_faces" => Some("basic"),
+            // They have what they work from for the sake of splits.
+            "depth_range" | "region" => Some("pssm"),
             _ => None,
         };
         let key = match caster_of {
             Some(method) => {
                 let choices = key.choices().filter(|(axis, _)| *axis != "method");
-                let key = library.key(choices.chain([("method", method)]));
+                let depths = match pass {
+                    "caster_faces" => Some(("depth", "midpoint")),
+                    "depth_range" => Some(("range", "depths")),
+                    _ => None,
+                };
+                let key = library.key(choices.chain([("method", method)]).chain(depths));
                 key.expect("a caster under a method")
             }
             None => key.clone(),
@@ -219,16 +256,27 @@ impl Studio {
             "depth",
             "filter",
             "lookup",
+            "taper",
             "transition",
             "alpha_test",
             "base_color_texture",
+            "cookie",
         ];
         let name: Vec<_> = known
             .iter()
             .map(|axis| axes.value(key, axis).unwrap_or(""))
             .collect();
         let pass = axes.value(key, "pass").unwrap_or("");
-        let methods_own = ["caster", "caster_depth", "linear_depth"].contains(&pass);
+        let methods_own = [
+            "caster",
+            "caster_depth",
+            "caster_faces",
+            "haze",
+            "linear_depth",
+            "region",
+            "shafts",
+        ]
+        .contains(&pass);
         let name = format!("{name:?} {}", if methods_own { pass } else { "" });
         if let Some(done) = self.terms.get(&name) {
             return done.clone();
@@ -238,6 +286,8 @@ impl Studio {
             Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
         let pixel = |x, y| match pass {
             "caster_depth" => oracle.stored(x, y, SIZE, SIZE),
+            "haze" => oracle.haze(x, y, SIZE),
+            "shafts" => oracle.shafts(x, y, SIZE, STEPS),
             _ => oracle.pixel(x, y, SIZE, SIZE),
         };
         let pixels: Vec<_> = (0..SIZE * SIZE)

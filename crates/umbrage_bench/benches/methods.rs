@@ -31,6 +31,9 @@ const LOOKUPS: [&str; 7] = [
     "storage",
 ];
 
+/// The ways to make a midpoint map whose times are compared.
+const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
+
 /// The one that ships as default.
 const DEFAULT: &str = "packed";
 
@@ -44,6 +47,8 @@ struct Report {
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
+    /// What one midpoint map of 2048² takes in one pass and its resolve, over two passes and theirs.
+    midpoint_single_over_two: f64,
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
     bounds: bounds::Report,
@@ -77,6 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
+    configs.extend(MIDPOINTS.map(midpoint));
     let options = CompareOptions {
         size: (480, 270),
         rounds: 15,
@@ -122,6 +128,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         "4 x 1024 over basic 2048, error: {:.3}",
         report.pssm4x1024_over_basic2048_error
     );
+    println!(
+        "midpoint, one pass over two:     {:.3}",
+        report.midpoint_single_over_two
+    );
     println!("{}", write_report("methods", &report)?.display());
     Ok(())
 }
@@ -143,6 +153,12 @@ fn config(method: &str, name: &str, lookup: &str) -> Config {
         settings,
         ..Config::default()
     }
+}
+
+fn midpoint(depth: &str) -> Config {
+    let mut config = config("basic", depth, "");
+    config.axes.insert("depth".to_owned(), depth.to_owned());
+    config
 }
 
 /// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
@@ -203,12 +219,14 @@ fn report(
         .values()
         .map(|variant| variant.throughput_over_naive);
     let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
+    let [single, two] = MIDPOINTS.map(|config| Ok::<_, String>(row(config)?.casters_ms.median));
     Ok(Report {
         adapter: adapter.to_owned(),
         family: family.to_owned(),
         pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
+        midpoint_single_over_two: single? / two?,
         variants,
         bounds,
     })

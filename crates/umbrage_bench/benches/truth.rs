@@ -121,6 +121,7 @@ fn scene(fields: u32) -> Scene {
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
+        medium: None,
     }
 }
 

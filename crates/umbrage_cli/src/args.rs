@@ -56,6 +56,9 @@ pub(crate) struct RenderArgs {
     /// How shadow terms come to where light is added: the picture is the same.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) path: Path,
+    /// Steps along each ray through the scene's medium, where it has one.
+    #[arg(long, value_name = "N", default_value_t = umbrage::render::RenderOptions::default().shaft_steps)]
+    pub(crate) shaft_steps: u32,
     /// The picture to write.
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
@@ -132,9 +135,15 @@ pub(crate) struct StressArgs {
     /// The methods, with commas between; without it or with `all`, every one.
     #[arg(long, value_name = "all|A,B")]
     pub(crate) methods: Option<String>,
+    /// The variants of these methods, with commas between; without it, every one.
+    #[arg(long, value_name = "A,B")]
+    pub(crate) variants: Option<String>,
     /// The hard cases, with commas between; without it, every one.
     #[arg(long, value_name = "A,B")]
     pub(crate) cases: Option<String>,
+    /// The variants and the limits that they are held to; without it, the project's own.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) limits: Option<PathBuf>,
     /// A folder to keep permutations and truths in from run to run; without it, none is kept.
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
@@ -159,6 +168,10 @@ pub(crate) enum What {
     Fetches,
     /// How the shadow term was found, in false colours: red by filtering, yellow as lit at once, blue as shadowed.
     Decisions,
+    /// The texture fetches of the light that the air scatters: white where they are most, black where there are none.
+    ShaftFetches,
+    /// The lit scene, with a hue for each of the shadow maps that a light's splits have.
+    Splits,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -168,6 +181,9 @@ pub(crate) enum Path {
     Forward,
     /// In a pass over the picture, into a mask that the objects' shaders read.
     Mask,
+    /// The same by a pass for each split, which shades the pixels of that split alone.
+    #[value(name = "mask_by_split")]
+    MaskBySplit,
 }
 
 #[derive(Args)]

@@ -93,12 +93,16 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::Triangles => render::What::Triangles,
             What::Fetches => render::What::Fetches,
             What::Decisions => render::What::Decisions,
+            What::ShaftFetches => render::What::ShaftFetches,
+            What::Splits => render::What::Splits,
         },
         method: args.method.clone(),
         path: match args.path {
             args::Path::Forward => render::Path::Forward,
             args::Path::Mask => render::Path::Mask,
+            args::Path::MaskBySplit => render::Path::MaskBySplit,
         },
+        shaft_steps: args.shaft_steps,
         ..RenderOptions::default()
     }
 }
@@ -115,7 +119,7 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
         light: used.light.as_deref(),
         shadow: matches!(
             used.key.get("pass"),
-            Some("caster" | "caster_depth" | "mask")
+            Some("caster" | "caster_depth" | "mask" | "region")
         ),
     };
     Report {

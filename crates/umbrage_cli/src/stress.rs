@@ -1,18 +1,18 @@
-//! `umbrage stress`: methods in the hard cases.
+//! `umbrage stress`: variants of methods in the hard cases.
 
 use std::{path::Path, process::ExitCode, sync::Arc};
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
-    compose::{Composer, Target},
+    compose::{Composer, RonFile, Target},
     methods::registry,
     render::Gpu,
     shader_library,
 };
 use umbrage_measure::{
     cases::{self, Case, Limits},
-    study::{CaseResult, Lab, stress as measure},
+    study::{CaseResult, Config, Lab, stress as measure},
     truth::TruthStore,
 };
 
@@ -33,7 +33,7 @@ struct Report<'a> {
 #[derive(Serialize)]
 struct Skipped<'a> {
     case: &'a str,
-    method: &'a str,
+    variant: &'a str,
     reason: &'a str,
 }
 
@@ -41,15 +41,20 @@ pub(crate) fn stress(args: &StressArgs) -> Result<ExitCode> {
     let registry = registry()?;
     let methods = chosen(args.methods.as_deref(), &registry)?;
     let cases = chosen_cases(args.cases.as_deref())?;
-    let limits = Limits::built_in()?;
+    let limits = match &args.limits {
+        Some(path) => Limits::read(RonFile::load(path)?)?,
+        None => Limits::built_in()?,
+    };
     let mut composer = Composer::new(shader_library()?, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
     }
     let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
+    let variants = Config::variants(&limits, &methods, &registry, composer.library())?;
+    let variants = chosen_variants(args.variants.as_deref(), variants)?;
     let mut lab = Lab::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
     let bars = Bars::default();
-    let measured = measure(&mut lab, &methods, &cases, &limits, store.as_ref(), &bars);
+    let measured = measure(&mut lab, &variants, &cases, &limits, store.as_ref(), &bars);
     bars.clear();
     let stressed = measured?;
     for warning in &stressed.warnings {
@@ -61,9 +66,9 @@ pub(crate) fn stress(args: &StressArgs) -> Result<ExitCode> {
     let skipped = stressed
         .skipped
         .iter()
-        .map(|(case, method, reason)| Skipped {
+        .map(|(case, variant, reason)| Skipped {
             case,
-            method,
+            variant,
             reason,
         });
     let report = Report {
@@ -104,7 +109,24 @@ fn chosen_cases(asked: Option<&str>) -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// A line for each case, and one for each limit that is missed.
+/// The variants named by `--variants`, of the methods asked for; all where it is missing.
+fn chosen_variants(asked: Option<&str>, mut variants: Vec<Config>) -> Result<Vec<Config>> {
+    let Some(asked) = asked else {
+        return Ok(variants);
+    };
+    let names: Vec<_> = asked.split(',').map(str::trim).collect();
+    let known: Vec<_> = variants.iter().map(|v| v.name.as_str()).collect();
+    if let Some(unknown) = names.iter().find(|name| !known.contains(name)) {
+        bail!(
+            "--variants: there is no variant `{unknown}` (known: {})",
+            known.join(", ")
+        );
+    }
+    variants.retain(|variant| names.contains(&variant.name.as_str()));
+    Ok(variants)
+}
+
+/// A line for each case and variant, and one for each limit that is missed.
 fn lines(report: &Report<'_>) -> String {
     let mut text = String::new();
     for result in report.cases {
@@ -116,9 +138,9 @@ fn lines(report: &Report<'_>) -> String {
         };
         let figures = &result.figures;
         text += &format!(
-            "{word:8}  {:26} {:10} {:6.2} % falsely lit, {:6.2} % falsely in shadow, edges {} px\n",
+            "{word:8}  {:26} {:12} {:6.2} % falsely lit, {:6.2} % falsely in shadow, edges {} px\n",
             result.case,
-            result.method,
+            result.variant,
             100.0 * figures.false_lit,
             100.0 * figures.false_shadow,
             figures
@@ -144,8 +166,8 @@ fn lines(report: &Report<'_>) -> String {
     }
     for skipped in &report.skipped {
         text += &format!(
-            "skipped   {:26} {:10} {}\n",
-            skipped.case, skipped.method, skipped.reason
+            "skipped   {:26} {:12} {}\n",
+            skipped.case, skipped.variant, skipped.reason
         );
     }
     let failed = report
@@ -161,13 +183,13 @@ fn lines(report: &Report<'_>) -> String {
     text
 }
 
-/// Writes for each case what was drawn, what is true and how they differ.
+/// Writes for each case and variant what was drawn, what is true and how they differ.
 fn save(results: &[CaseResult], folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("--pictures {} cannot be made", folder.display()))?;
     for result in results {
         for (what, png) in result.pictures.files() {
-            let file = folder.join(format!("{}-{}-{what}.png", result.case, result.method));
+            let file = folder.join(format!("{}-{}-{what}.png", result.case, result.variant));
             std::fs::write(&file, png)
                 .with_context(|| format!("{} cannot be written", file.display()))?;
         }

@@ -23,14 +23,19 @@ pub(crate) fn parse<T: DeserializeOwned>(source: &SourceText, cause: Cause) -> R
 }
 
 /// A map in which each key stands once: RON lets a later one win.
-pub(crate) fn unique<'de, D, V>(deserializer: D) -> Result<BTreeMap<String, V>, D::Error>
+pub(crate) fn unique<'de, D, K, V>(deserializer: D) -> Result<BTreeMap<K, V>, D::Error>
 where
     D: serde::Deserializer<'de>,
+    K: Deserialize<'de> + Ord + fmt::Display,
     V: Deserialize<'de>,
 {
-    struct Unique<V>(PhantomData<V>);
-    impl<'de, V: Deserialize<'de>> Visitor<'de> for Unique<V> {
-        type Value = BTreeMap<String, V>;
+    struct Unique<K, V>(PhantomData<(K, V)>);
+    impl<'de, K, V> Visitor<'de> for Unique<K, V>
+    where
+        K: Deserialize<'de> + Ord + fmt::Display,
+        V: Deserialize<'de>,
+    {
+        type Value = BTreeMap<K, V>;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             f.write_str("a map")
@@ -38,11 +43,12 @@ where
 
         fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
             let mut map = BTreeMap::new();
-            while let Some((key, value)) = entries.next_entry::<String, V>()? {
+            while let Some(key) = entries.next_key::<K>()? {
+                // Before the value is read, so that the place is the key's.
                 if map.contains_key(&key) {
                     return Err(A::Error::custom(format!("`{key}` stands twice")));
                 }
-                map.insert(key, value);
+                map.insert(key, entries.next_value()?);
             }
             Ok(map)
         }
@@ -66,14 +72,15 @@ fn offset(text: &str, line: usize, column: usize) -> usize {
     text.len()
 }
 
-/// The place of the word or string literal that follows the others of `path` in turn: RON's values carry no
-/// places of their own.
+/// The place of the word or string literal that follows the others of `path` in turn, comments apart: RON's
+/// values carry no places of their own.
 pub(crate) fn literal<'a>(source: &'a SourceText, path: &[&str]) -> Place<'a> {
+    let code = without_comments(&source.text);
     let mut start = 0;
     let mut range = 0..0;
     for word in path {
         let quoted = format!("\"{word}\"");
-        let text = &source.text[start..];
+        let text = &code[start..];
         let found = text.find(&quoted).map(|at| (at, quoted.len()));
         let found = found.or_else(|| text.find(word).map(|at| (at, word.len())));
         if let Some((at, length)) = found {
@@ -82,4 +89,25 @@ pub(crate) fn literal<'a>(source: &'a SourceText, path: &[&str]) -> Place<'a> {
         }
     }
     source.place(range)
+}
+
+/// The text with spaces in the place of line comments, as long as before in bytes.
+fn without_comments(text: &str) -> String {
+    let mut code = String::with_capacity(text.len());
+    let (mut is_string, mut is_escaped) = (false, false);
+    let mut rest = text;
+    while let Some(next) = rest.chars().next() {
+        let length = match !is_string && rest.starts_with("//") {
+            true => rest.find('\n').unwrap_or(rest.len()),
+            false => 0,
+        };
+        code.extend(std::iter::repeat_n(' ', length));
+        if length == 0 {
+            code.push(next);
+            is_string ^= next == '"' && !is_escaped;
+            is_escaped = is_string && next == '\\' && !is_escaped;
+        }
+        rest = &rest[length.max(next.len_utf8())..];
+    }
+    code
 }

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt, ops::Range, path::Path};
 
 use serde::{
-    Deserialize,
+    Deserialize, Deserializer,
     de::{DeserializeOwned, SeqAccess, Visitor},
 };
 
@@ -48,6 +48,20 @@ impl RonFile {
         ron_text::parse(&self.0, Cause::Manifest)
     }
 
+    /// Reads a map in which each key stands once, for `#[serde(deserialize_with = "RonFile::unique")]`: RON lets a
+    /// later entry win.
+    ///
+    /// # Errors
+    /// A key that stands twice, and what is no such map.
+    pub fn unique<'de, D, K, V>(deserializer: D) -> Result<BTreeMap<K, V>, D::Error>
+    where
+        D: Deserializer<'de>,
+        K: Deserialize<'de> + Ord + fmt::Display,
+        V: Deserialize<'de>,
+    {
+        ron_text::unique(deserializer)
+    }
+
     /// Where each entry of the list in the field `rules` stands: bytes of the text.
     ///
     /// # Errors
@@ -69,8 +83,8 @@ impl RonFile {
         Ok(ranges.collect())
     }
 
-    /// A fault of this file, at the last of `words` as they follow each other from `range` on; with no words, at
-    /// all of `range`.
+    /// A fault of this file, at the last of `words` as they follow each other from `range` on, outside comments;
+    /// with no words, at all of `range`.
     pub fn fault(&self, message: impl Into<String>, range: Range<usize>, words: &[&str]) -> Fault {
         self.place(Fault::new(Cause::Manifest, message), range, words)
     }
@@ -134,7 +148,7 @@ impl When {
 struct Values(Vec<String>);
 
 impl<'de> Deserialize<'de> for Values {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct OneOrSeveral;
         impl<'de> Visitor<'de> for OneOrSeveral {
             type Value = Values;
@@ -217,6 +231,20 @@ mod tests {
         assert!(fault.to_string().contains("lamp, sun"), "{fault}");
         let whole = file.fault("needless", ranges[1].clone(), &[]);
         assert_eq!(whole.location().map(|at| at.line), Some(3));
+    }
+
+    #[test]
+    fn what_a_comment_says_is_not_meant() {
+        let text =
+            "// sun, \"moon\": a lamp\n(a: \"// \\\" sun\", // moon\n moon: \"lämp\", b: \"lamp\")";
+        let file = file(text);
+        let place = |words: &[&str]| {
+            let fault = file.fault("wrong", file.all(), words);
+            fault.location().map(|at| (at.line, at.column))
+        };
+        assert_eq!(place(&["moon"]), Some((3, 2)));
+        assert_eq!(place(&["sun"]), Some((2, 12)));
+        assert_eq!(place(&["moon", "lamp"]), Some((3, 19)));
     }
 
     #[test]

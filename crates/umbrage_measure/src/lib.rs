@@ -33,9 +33,10 @@
 //!
 //! # Hard cases
 //! [`cases::all`] makes scenes that catch shadow methods out; `limits.ron` beside this crate's sources says what
-//! each demands and why, and [`Limits::judge`](cases::Limits::judge) holds a method's figures against it.
-//! A method that cannot meet a limit is listed there with the reason; a listed exception that is no
-//! longer needed is a fault as well. No method may have a bad pixel in any case.
+//! each demands and why, and [`Limits::judge`](cases::Limits::judge) holds figures against it.
+//! Held against them are *variants*: a method as it is, or with other values for its axes and settings, which the
+//! same table lists by names. A variant that cannot meet a limit is listed there with the reason; a listed exception
+//! that is no longer needed is a fault as well. No variant may have a bad pixel in any case.
 //!
 //! | cases | what is hard |
 //! | --- | --- |
@@ -48,8 +49,8 @@
 //! | `open-mesh`, `-leaves`, `-mirrored` | no back faces, no thickness, transforms that mirror |
 //! | `contact`, `-lamp` | a thin wall, a ball and a cone's tip on the ground |
 //! | `behind`, `-light`, `-spot` | casters behind the viewer, and far out towards the light |
-//! | `exponent`, `-overlap`, `-overlap-spot` | occluders 80 m before a receiver, and two that overlap |
-//! | `steep-blocks-3`, `-5`, `-7`, `-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
+//! | `exponent`, `-overlap`, `-overlap-spot`, `-contact`, `-contact-spot` | occluders 80 m before a receiver, two that overlap, and ones that touch it in a map that deep |
+//! | `steep-blocks-3`, `-5`, `-7`, `-15`, `-spot-3` to `-spot-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
 //! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
 //! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
 //!
@@ -120,8 +121,8 @@
 //! [`study::compare`] draws scenes with configurations of methods and puts errors beside costs, the time
 //! always as a ratio to the plainest shadow map's in the same round; [`report::write`] makes a page of it.
 //! [`study::stress`] draws the hard cases and holds them against their limits. A method takes part by being
-//! registered: without a line of its own in `configs.ron` it is tried with its defaults and with each value
-//! of its axes.
+//! registered: without a line of its own in `configs.ron` it is compared with its defaults and with each value
+//! of its axes; without a variant of its own in `limits.ron` it is stressed with its defaults.
 //!
 //! # Cost
 //! The triangles lie in a tree of boxes (`parry3d`), so that a ray costs about the logarithm of their

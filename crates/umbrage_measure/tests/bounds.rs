@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use umbrage_compose::{Composer, Library, Target};
-use umbrage_measure::cases;
-use umbrage_render::{Gpu, Picture, Renderer, Scene, What};
+use umbrage_measure::{cases, study::Config};
+use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
 use umbrage_shadow::LightKind;
 
 #[test]
@@ -21,19 +21,26 @@ fn bounds_change_no_pixel_of_any_hard_case() {
         for name in ["basic", "pssm"] {
             let method = registry.get(name).expect("it is there");
             for width in ["3", "5", "7", "15"] {
+                let variant = |filter: &str| Config {
+                    method: name.to_owned(),
+                    axes: [("pcf", width), ("filter", filter)]
+                        .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
+                        .into(),
+                    ..Config::default()
+                };
                 let mut draw = |what, filter: &str| {
-                    let mut options = case.options(&**method, what);
-                    for (axis, value) in [("pcf", width), ("filter", filter)] {
-                        options.axes.insert(axis.to_owned(), value.to_owned());
-                    }
+                    // A case that is about a filter's width, or about ways to find a map, has its own.
+                    let options = case.options(&variant(filter), &**method).ok()?;
+                    let options = RenderOptions { what, ..options };
                     let rendered = renderer.render(&case.scene, &options);
-                    rendered.expect("renders").picture
+                    Some(rendered.expect("renders").picture)
                 };
                 let whole = draw(What::ShadowTerm, "pcf");
                 let found = draw(What::ShadowTerm, "hpsm");
-                let (Picture::ShadowTerm(whole), Picture::ShadowTerm(found)) = (whole, found)
+                let (Some(Picture::ShadowTerm(whole)), Some(Picture::ShadowTerm(found))) =
+                    (whole, found)
                 else {
-                    unreachable!("shadow terms were asked for")
+                    continue;
                 };
                 let pairs = whole.iter().flatten().zip(found.iter().flatten());
                 let differ = pairs.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
@@ -42,7 +49,7 @@ fn bounds_change_no_pixel_of_any_hard_case() {
                 }
                 pictures += 1;
                 dark += whole.iter().flatten().filter(|term| **term < 0.5).count();
-                if let Picture::Fetches(counts) = draw(What::Fetches, "hpsm") {
+                if let Some(Picture::Fetches(counts)) = draw(What::Fetches, "hpsm") {
                     decided += counts.iter().flatten().filter(|n| **n == 1.0).count();
                     all += counts.iter().flatten().filter(|n| **n > 0.0).count();
                 }

@@ -42,7 +42,7 @@ use umbrage_shadow::{
 };
 
 use crate::{
-    job::{self, Boxes, NEAREST, PADDING},
+    job::{self, Bias, Boxes, NEAREST, PADDING},
     maps::{self, DEPTH, MAP, Map, Reading, Sheet},
 };
 
@@ -103,12 +103,7 @@ impl ShadowMethod for Basic {
                 range,
             ),
             LightKind::Point { position, range } => {
-                PlanError::check(
-                    job.reading.is_plain(),
-                    "the light's kind",
-                    "point",
-                    "directional or spot where `depth` is not `nearest` or `filter` is not `pcf`: a cube map has no tiles",
-                )?;
+                job.reading.check_cube()?;
                 job.point(position - job.boxes.origin, range)
             }
         };
@@ -149,11 +144,8 @@ impl Job {
         self.expand(&mut seen, least);
         let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
-        let range = seen.far - seen.near;
-        let shift = job::directional_shift(&seen, self.depth_bias, texel);
-        let bias = DVec2::new(shift / range, 0.0);
-        let texel_depth = DVec2::new(texel / range, 0.0);
-        self.map(&lens, &seen, casters, bias, texel_depth)
+        let bias = Bias::directional(&seen, self.depth_bias, texel);
+        self.map(&lens, &seen, casters, bias)
     }
 
     fn spot(&self, position: DVec3, direction: DVec3, angle: f64, range: f64) -> ShadowPlan {
@@ -173,10 +165,8 @@ impl Job {
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let nearest_receiver = seen.near;
         let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
-        let bias = self.perspective_bias(&lens, &seen, texel, nearest_receiver);
-        // A texel is `texel` · d wide at distance d, where depth is A + B / d and falls by B / d² a metre.
-        let texel_depth = texel * DVec2::new(-lens.depth_terms(seen.near, seen.far).x, 1.0);
-        self.map(&lens, &seen, casters, bias, texel_depth)
+        let bias = Bias::perspective(&lens, &seen, self.depth_bias, texel, nearest_receiver);
+        self.map(&lens, &seen, casters, bias)
     }
 
     /// A face that no filter's tap can reach has no pass: `reached` widens each face by what a filter
@@ -211,9 +201,13 @@ impl Job {
         let nearest = beams.iter().map(|beam| beam.near).fold(all.near, f64::min);
         all.near = (nearest * (1.0 - PADDING)).max(floor);
 
-        let bias = self.perspective_bias(&lenses[0], &all, texel, nearest_receiver);
+        let bias = Bias::perspective(&lenses[0], &all, self.depth_bias, texel, nearest_receiver);
         let projection = lenses[0].depth_terms(all.near, all.far);
-        let constants = cube_constants(position.as_vec3(), projection.as_vec2(), bias.as_vec2());
+        let constants = cube_constants(
+            position.as_vec3(),
+            projection.as_vec2(),
+            bias.raise.as_vec2(),
+        );
         let passes = lenses
             .iter()
             .zip(beams)
@@ -225,6 +219,7 @@ impl Job {
                     view_proj: lens.matrix(&face, all.near, all.far),
                     casters: beam.casters,
                     receivers: None,
+                    bias,
                 };
                 let mut pass = maps::casters(&map, MAP);
                 if let Some(depth) = &mut pass.depth {
@@ -246,22 +241,8 @@ impl Job {
             .resized(size * resolution / (resolution - 2.0 * margin));
     }
 
-    /// At distance d, depth is A + B / d, so that raising 1 / d by a share is raising depth by that share of
-    /// depth − A.
-    fn perspective_bias(&self, lens: &Lens, seen: &Extent, texel: f64, nearest: f64) -> DVec2 {
-        let raise = job::perspective_raise(seen, self.depth_bias, texel, nearest);
-        DVec2::new(-raise * lens.depth_terms(seen.near, seen.far).x, raise)
-    }
-
     /// The plan of one rectangular map.
-    fn map(
-        &self,
-        lens: &Lens,
-        seen: &Extent,
-        casters: Vec<usize>,
-        bias: DVec2,
-        texel_depth: DVec2,
-    ) -> ShadowPlan {
+    fn map(&self, lens: &Lens, seen: &Extent, casters: Vec<usize>, bias: Bias) -> ShadowPlan {
         let clip = lens.matrix(&seen.rect, seen.near, seen.far);
         // Clip space to the map: u right, v down, both 0..1 after the division by w.
         let texture = DMat4::from_cols(
@@ -274,8 +255,8 @@ impl Job {
         let plane_to_map = world_to_map.inverse().transpose();
         let constants = map_constants(
             [world_to_map.as_mat4(), plane_to_map.as_mat4()],
-            bias.as_vec2(),
-            texel_depth.as_vec2(),
+            self.reading.raise(&bias).as_vec2(),
+            bias.texel.as_vec2(),
             self.resolution,
         );
         let map = Map {
@@ -283,6 +264,7 @@ impl Job {
             view_proj: clip,
             casters,
             receivers: None,
+            bias,
         };
         let sheet = Sheet {
             size: [self.resolution; 2],

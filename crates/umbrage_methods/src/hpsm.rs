@@ -91,20 +91,22 @@ pub(crate) fn block(frame: &Frame<'_>) -> Result<u32, PlanError> {
 /// How the texels of a map are bounded: the value of the axis `filter`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bounds {
-    /// Blocks and what a filter reads beyond them (`hpsm`, `min_max`).
-    Around,
-    /// Blocks alone (`hpsm_naive`).
-    Bare,
-    /// Blocks alone, and squares of 2 × 2 of them, and so on (`min_max_tree`).
-    Tree,
+    /// Blocks and what a filter reads beyond them, by planes.
+    Hpsm,
+    /// Blocks alone, by planes.
+    HpsmNaive,
+    /// Blocks and what a filter reads beyond them, by the least and the greatest depth.
+    MinMax,
+    /// Blocks alone, squares of 2 × 2 of them, and so on.
+    MinMaxTree,
 }
 
 impl Bounds {
     /// Adds to `plan` what bounds the depths in `sheet`, by blocks of `block` texels, for a filter `width` texels wide.
     pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, width: u32, block: u32) {
         let (shader, name) = match self {
-            Self::Around | Self::Bare => ("hpsm", "hpsm_blocks"),
-            Self::Tree => ("min_max_tree", "min_max_levels"),
+            Self::Hpsm | Self::HpsmNaive | Self::MinMax => ("hpsm", "hpsm_blocks"),
+            Self::MinMaxTree => ("min_max_tree", "min_max_levels"),
         };
         let Some(map) = sheet.maps.first() else {
             plan.textures.push(texture(name, FORMAT, [1, 1]));
@@ -114,8 +116,8 @@ impl Bounds {
         let blocks = side.div_ceil(block);
         let [columns, rows] = sheet.size.map(|texels| texels / side);
         let across = match self {
-            Self::Around | Self::Bare => blocks,
-            Self::Tree => (0..levels(width, block))
+            Self::Hpsm | Self::HpsmNaive | Self::MinMax => blocks,
+            Self::MinMaxTree => (0..levels(width, block))
                 .map(|level| blocks.div_ceil(1 << level))
                 .sum(),
         };
@@ -140,9 +142,9 @@ impl Bounds {
         // Of squares of this side, so many lie along a footprint of width + 1 texels at the most.
         let along = |side: u32| width.div_ceil(side) + 1;
         match self {
-            Self::Around => 1,
-            Self::Bare => along(block).pow(2),
-            Self::Tree => (0..levels(width, block))
+            Self::Hpsm | Self::MinMax => 1,
+            Self::HpsmNaive => along(block).pow(2),
+            Self::MinMaxTree => (0..levels(width, block))
                 .map(|level| along(block << level).pow(2))
                 .sum(),
         }
@@ -152,13 +154,13 @@ impl Bounds {
     fn blocks_a_group(self, width: u32, block: u32) -> u32 {
         const SPAN: u32 = 16;
         match self {
-            Self::Around => {
+            Self::Hpsm | Self::MinMax => {
                 let beyond = 2 * width.div_ceil(4);
                 let cell = block.min(1 << beyond.trailing_zeros());
                 (SPAN - 2 * (beyond / cell)) / (block / cell)
             }
-            Self::Bare => SPAN,
-            Self::Tree => 8,
+            Self::HpsmNaive => SPAN,
+            Self::MinMaxTree => 8,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What methods with depth maps do before they fit them: checks, and a frame relative to the camera.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use umbrage_shadow::{Aabb, Beam, Extent, Frame, Frustum, Lens, PlanError, Setting};
 
 /// The nearest near plane of a spot or point light, as a share of its range. Reversed depth keeps its
@@ -100,21 +100,58 @@ pub(crate) fn margin(width: u32) -> f64 {
     0.5 * f64::from(width) + 1.5
 }
 
-/// At distance d from a spot light, a texel is `texel` · d wide, so that a shift by `bias` texels is one by a
-/// share s = `bias` · `texel` of d; rounding adds to s, and is worst for the receiver `nearest` to the light. One
-/// over the distance grows by this share, s / (1 − s).
-pub(crate) fn perspective_raise(seen: &Extent, bias: f64, texel: f64, nearest: f64) -> f64 {
-    let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
-    // Beyond the whole distance a shift has no meaning.
-    let share = (bias * texel + 4.0 * rounding).min(0.9);
-    share / (1.0 - share)
+/// What keeps a map's receivers from shading themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bias {
+    /// A receiver's depth is raised by x + y · depth: so many `texels` towards the light.
+    pub raise: DVec2,
+    /// A texel's width as depth is x + y · depth.
+    pub texel: DVec2,
+    /// In texels' widths: the setting `depth_bias`, and what rounding may be.
+    pub texels: f64,
+    /// What of it is for rounding.
+    pub rounding: f64,
 }
 
-/// How far a receiver is moved towards a directional light, metres: `bias` texels of `texel` metres, and
-/// what rounding may be.
-pub(crate) fn directional_shift(seen: &Extent, bias: f64, texel: f64) -> f64 {
-    let far = seen.near.abs().max(seen.far.abs());
-    bias * texel + 4.0 * seen.precision.max(Extent::PRECISION * far)
+impl Bias {
+    /// That of a directional light's map whose texels are `texel` metres wide: `bias` texels.
+    pub(crate) fn directional(seen: &Extent, bias: f64, texel: f64) -> Self {
+        let range = seen.far - seen.near;
+        let far = seen.near.abs().max(seen.far.abs());
+        let rounding = 4.0 * seen.precision.max(Extent::PRECISION * far);
+        let shift = bias * texel + rounding;
+        Self {
+            raise: DVec2::new(shift / range, 0.0),
+            texel: DVec2::new(texel / range, 0.0),
+            texels: shift / texel,
+            rounding: rounding / texel,
+        }
+    }
+
+    /// That of a spot light's map. At distance d from the light a texel is `texel` · d wide, so that a shift by
+    /// `bias` texels is one by a share s = `bias` · `texel` of d; rounding adds to s, and is worst for the receiver
+    /// `nearest` to the light. One over the distance grows by this share, s / (1 − s), and so does depth − A, as
+    /// depth is A + B / d, and falls by B / d² a metre.
+    pub(crate) fn perspective(
+        lens: &Lens,
+        seen: &Extent,
+        bias: f64,
+        texel: f64,
+        nearest: f64,
+    ) -> Self {
+        // Beyond the whole distance a shift has no meaning.
+        let most = 0.9;
+        let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
+        let rounding = (4.0 * rounding).min(most);
+        let share = (bias * texel + rounding).min(most);
+        let risen = DVec2::new(-lens.depth_terms(seen.near, seen.far).x, 1.0);
+        Self {
+            raise: share / (1.0 - share) * risen,
+            texel: texel * risen,
+            texels: share / texel,
+            rounding: rounding / texel,
+        }
+    }
 }
 
 /// The near plane of a directional light's map, and the casters that it needs: those between the light and

@@ -9,6 +9,7 @@ pub mod basic_twin;
 pub mod hpsm;
 mod job;
 mod maps;
+pub mod midpoint;
 pub mod pssm;
 pub mod pssm_twin;
 mod twin_filter;

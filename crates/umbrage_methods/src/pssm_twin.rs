@@ -17,7 +17,7 @@ const STEEPEST: f64 = 19.0;
 pub struct PssmTwin {
     splits: Vec<Split>,
     forward: DVec3,
-    /// The filter's width, texels.
+    /// The filter's width in the first split's map, texels.
     width: u32,
     receiver_plane: bool,
     choice: Choice,
@@ -28,8 +28,12 @@ pub struct PssmTwin {
 pub struct Choice {
     /// The axis `lookup`.
     pub lookup: String,
+    /// Whether the axis `taper` is on.
+    pub taper: bool,
     /// The axis `transition`.
     pub transition: String,
+    /// The axis `depth`.
+    pub depth: String,
     /// The setting `band`.
     pub band: f64,
 }
@@ -63,11 +67,19 @@ impl PssmTwin {
         let Value::Vec3(forward) = plan.constants.get("forward")? else {
             return None;
         };
-        let casters = plan.passes.iter().filter_map(|pass| match pass {
+        let drawn = plan.passes.iter().filter_map(|pass| match pass {
             Pass::Casters(pass) => Some(pass),
             _ => None,
         });
-        let splits = casters.zip(crops).map(|(pass, crop)| {
+        // What a map holds may take several passes, the first of all maps first.
+        let mut drawn: Vec<_> = drawn.collect();
+        let first = drawn.first().map(|pass| pass.receivers)?;
+        let again = drawn
+            .iter()
+            .skip(1)
+            .position(|pass| pass.receivers == first);
+        drawn.truncate(again.map_or(drawn.len(), |number| number + 1));
+        let splits = drawn.into_iter().zip(crops).map(|(pass, crop)| {
             let Value::Struct(crop) = crop else {
                 return None;
             };
@@ -128,15 +140,28 @@ impl PssmTwin {
     }
 
     fn fetches_of(&self, number: usize, position_ws: DVec3) -> u32 {
-        let inside = |split: &Split| u32::from(split.place(position_ws, DVec3::ZERO).is_some());
-        let taps = self.width.div_ceil(2);
-        let filter = |split: &Split| inside(split) * taps * taps;
+        let inside = |number: usize| {
+            let place = self.splits[number].place(position_ws, DVec3::ZERO);
+            u32::from(place.is_some())
+        };
+        let comparison = match self.choice.depth.as_str() {
+            "midpoint_sampled" => 2,
+            _ => 1,
+        };
+        let filter =
+            |number| inside(number) * self.width_of(number).div_ceil(2).pow(2) * comparison;
         match self.choice.lookup.as_str() {
-            "matrix_texture" => 5 + filter(&self.splits[number]),
-            "weights" => self.splits.iter().map(filter).sum(),
-            "channels" => inside(&self.splits[number]) * (self.width + 1).pow(2),
-            _ => filter(&self.splits[number]),
+            "matrix_texture" => 5 + filter(number),
+            "weights" => (0..self.splits.len()).map(filter).sum(),
+            "channels" => inside(number) * (self.width_of(number) + 1).pow(2),
+            _ => filter(number),
         }
+    }
+
+    /// The width in texels of the filter in a split's map: two less than in the one before, if at all.
+    fn width_of(&self, number: usize) -> u32 {
+        let narrower = 2 * number as u32 * u32::from(self.choice.taper);
+        self.width.saturating_sub(narrower).max(1)
     }
 
     /// The split that holds the point, and how far into its band the point is; none beyond the last one.
@@ -169,7 +194,7 @@ impl PssmTwin {
         };
         let depth = at.z + split.bias.x + split.bias.y * at.z + slope.abs().element_sum();
         let filter = Filter {
-            width: self.width,
+            width: self.width_of(number),
             size: split.size,
         };
         filter.lit(at.truncate(), depth, slope, |x, y| depth_at(number, x, y))

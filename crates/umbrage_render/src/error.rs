@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use umbrage_shadow::{PlanError, RegistryError, SettingsError};
 
-use crate::GpuError;
+use crate::{GpuError, renderer::MOST_SHAFT_STEPS};
 
 /// Why a scene could not be rendered: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +21,14 @@ pub enum RenderError {
         height: u32,
         /// The longest side.
         limit: u32,
+    },
+    /// No steps along a ray, or too many.
+    #[error(
+        "{steps} steps along a ray through the medium cannot be made; choose from 1 to {MOST_SHAFT_STEPS}"
+    )]
+    Steps {
+        /// As asked for.
+        steps: u32,
     },
     /// The device.
     #[error(transparent)]

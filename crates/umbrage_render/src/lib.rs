@@ -54,8 +54,8 @@ pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
 pub use pack::{PackError, pack, pack_buffer};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
-pub use renderer::{Path, RenderOptions, Renderer, What};
+pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
-    Camera, Image, Level, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Texture,
-    Wrap, look_along,
+    Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight, Shadow,
+    Texture, Wrap, look_along,
 };

@@ -32,10 +32,19 @@ pub enum Picture {
     /// The object, by its place in [`Scene::objects`](crate::Scene::objects), and the triangle, by its
     /// place in the object's mesh; none where there is nothing to see.
     Triangles(Vec<Option<(u32, u32)>>),
-    /// For each light how many texture fetches its shadow term takes; 0 where there is nothing to see.
+    /// For each light how many texture fetches its shadow term takes, 0 where there is nothing to see; or its shafts
+    /// take, 0 where the light does not reach the air that is seen.
     Fetches(Vec<Vec<f32>>),
     /// For each light how its shadow term was found.
     Decisions(Vec<Vec<Decision>>),
+    /// Which of several shadow maps is read.
+    Splits {
+        /// Linear RGB.
+        colors: Vec<[f32; 3]>,
+        /// For each light the number of the caster pass that fills what is read at the pixel's depth; none where
+        /// there is nothing to see, no shadow any more, or one map for all depths.
+        splits: Vec<Vec<Option<u32>>>,
+    },
 }
 
 /// How a pixel's shadow term was found: what the filter that was asked last noted of it, in the shader library's
@@ -111,8 +120,9 @@ pub struct Report {
     /// Bytes of these textures, by their formats; what a driver adds is not known.
     pub shadow_bytes: u64,
     /// Bytes of what the [mask path](crate::Path::Mask) keeps beside the picture, by its formats: 20 a pixel,
-    /// 16 for the planes that are seen and 4 for the mask, which all lights share; 0 where no light has a
-    /// mask.
+    /// 16 for the planes that are seen and 4 for the mask, which all lights share; 4 more for the pixels'
+    /// regions where a mask is filled [by split](crate::Path::MaskBySplit); 0 where no light has a mask, but for the
+    /// planes where a method asks for the depths that are seen.
     pub mask_bytes: u64,
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
@@ -135,7 +145,8 @@ pub struct Report {
 /// How long a pass took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
-    /// What it drew: `casters`, or the value of the axis `pass` that it has, such as `illumination`.
+    /// What it drew: `casters`, or the value of the axis `pass` that it has, such as `illumination`; of the passes
+    /// that fill a mask by regions, with the region's number: `mask 0`.
     pub pass: String,
     /// The light for which it drew, where it did so for one.
     pub light: Option<String>,
@@ -194,13 +205,23 @@ impl Picture {
     /// encoded: code 255 is lit; triangles each in a colour of its own, black where there is none;
     /// fetches as grey, the sum over the lights, code 255 for the most in the picture; decisions in false colours, the
     /// mean over the lights: black where no map was asked, red where it was filtered, yellow where the term was light
-    /// at once and blue where it was shadow, the darker ones by planes.
+    /// at once and blue where it was shadow, the darker ones by planes; splits as a shaded picture that each has a hue
+    /// of its own in, by the first light that has some.
     pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         match self {
             Self::Shaded(pixels) => image::RgbImage::from_fn(width, height, |x, y| {
                 let pixel = pixels.get(index(x, y)).copied().unwrap_or_default();
                 image::Rgb(pixel.map(encode_srgb))
+            })
+            .into(),
+            Self::Splits { colors, splits } => image::RgbImage::from_fn(width, height, |x, y| {
+                let pixel = index(x, y);
+                let [r, g, b] = colors.get(pixel).copied().unwrap_or_default();
+                let mut of_lights = splits.iter().map(|light| light.get(pixel).copied());
+                let split = of_lights.find_map(Option::flatten);
+                let hue = split.map_or([1.0; 3], |split| HUES[split as usize % HUES.len()]);
+                image::Rgb([r * hue[0], g * hue[1], b * hue[2]].map(encode_srgb))
             })
             .into(),
             Self::ShadowTerm(lights) => image::GrayImage::from_fn(width, height, |x, y| {
@@ -267,6 +288,18 @@ impl Picture {
         Ok(())
     }
 }
+
+/// What splits are told apart by: for each of the most of them another, neighbours far from each other.
+const HUES: [[f32; 3]; 8] = [
+    [1.0, 0.3, 0.3],
+    [0.3, 1.0, 0.3],
+    [0.35, 0.5, 1.0],
+    [1.0, 0.9, 0.25],
+    [1.0, 0.35, 1.0],
+    [0.25, 1.0, 1.0],
+    [1.0, 0.55, 0.2],
+    [0.6, 0.4, 1.0],
+];
 
 /// A colour that neighbours hardly share and black is not: the last mixing of MurmurHash3 (Appleby
 /// 2011).
@@ -340,6 +373,26 @@ mod tests {
         colors.sort_unstable();
         colors.dedup();
         assert_eq!(colors.len(), 64);
+    }
+
+    #[test]
+    fn splits_are_tinted() {
+        let codes = |splits| {
+            let colors = vec![[1.0; 3]; 2];
+            let image = rendered(Picture::Splits { colors, splits }).to_image();
+            image.into_rgb8().into_raw()
+        };
+        let light = |first, second| vec![vec![first, second]];
+        assert_eq!(codes(light(None, Some(0)))[..4], [255; 4]);
+        let (a, b) = (
+            codes(light(Some(0), Some(1))),
+            codes(light(Some(1), Some(0))),
+        );
+        assert_eq!((&a[..3], &a[3..]), (&b[3..], &b[..3]));
+        assert_ne!(a, b);
+        // Of several lights, the first that has splits there.
+        let of_both = vec![vec![None, Some(1)], vec![Some(0), Some(5)]];
+        assert_eq!(codes(of_both), a);
     }
 
     #[test]

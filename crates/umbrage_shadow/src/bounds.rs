@@ -47,6 +47,14 @@ impl Aabb {
         }
     }
 
+    /// What lies in both; none where nothing does.
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        self.intersects(&other).then(|| Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        })
+    }
+
     /// The box moved by `offset`.
     pub fn translate(self, offset: DVec3) -> Self {
         Self {

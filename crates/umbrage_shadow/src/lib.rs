@@ -160,8 +160,9 @@ pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
 pub use plan::{
-    Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, Need, Pass,
-    Reads, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape, Viewport,
+    Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, MAX_REGIONS,
+    Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape,
+    Viewport,
 };
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

@@ -26,6 +26,13 @@ pub trait ShadowMethod: Send + Sync {
     /// when the scene is read and not in some later frame.
     fn supports(&self, light: &Light) -> Support;
 
+    /// Whether it plans by what each pixel sees, with these values of its axes: [`Frame::seen`]. To know it, the frame
+    /// is drawn up to its depths, and waited for.
+    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
+        let _ = axes;
+        false
+    }
+
     /// What to draw this frame. A pure function of `frame`: the same frame has the same plan, and
     /// nothing is remembered between frames.
     ///
@@ -61,6 +68,9 @@ pub struct Frame<'a> {
     pub settings: &'a Settings,
     /// The value of each of the method's axes.
     pub axes: &'a BTreeMap<String, String>,
+    /// The least and the greatest view depth that a pixel sees, metres, where the method
+    /// [wants them](ShadowMethod::wants_seen_depths); the first is greater than the second where none sees anything.
+    pub seen: Option<[f64; 2]>,
 }
 
 /// Bounds of what may cast and what may receive, world space.

@@ -1,9 +1,11 @@
 //! What a method wants drawn this frame, as plain data.
 
+use std::collections::BTreeMap;
+
 use glam::Mat4;
 use wgpu_types::{ColorWrites, CompareFunction, Face, Features, FilterMode, TextureFormat};
 
-use crate::{Constants, Value};
+use crate::{Constants, MAX_SPLITS, Value};
 
 /// What a method wants drawn this frame, and what `calc_shadow` reads. The renderer only executes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,6 +34,37 @@ pub struct ShadowPlan {
     /// The view depth beyond which `calc_shadow` is 1 whatever stands between, in metres; none where
     /// receivers at all depths are shadowed.
     pub shadow_distance: Option<f64>,
+    /// Where a narrower shader than the light's own gives the same term: by ascending view depth,
+    /// [`MAX_REGIONS`] at the most. None where one shader is for all.
+    pub regions: Vec<Region>,
+}
+
+impl ShadowPlan {
+    /// The place in `passes` of the one whose map is read at a view depth (metres), where passes tell
+    /// their [receivers' depths](CasterPass::receivers); compared as `f32`, as shaders do.
+    pub fn split_at(&self, view_depth: f32) -> Option<u32> {
+        let holds = |pass: &Pass| match pass {
+            Pass::Casters(pass) => pass
+                .receivers
+                .is_some_and(|[start, end]| (start as f32..end as f32).contains(&view_depth)),
+            _ => false,
+        };
+        let number = self.passes.iter().position(holds)?;
+        u32::try_from(number).ok()
+    }
+}
+
+/// The most [regions](ShadowPlan::regions) of a plan: for each of the most splits two.
+pub const MAX_REGIONS: usize = 2 * MAX_SPLITS;
+
+/// View depths whose pixels a pass of their own may shade, with a permutation of its own. It begins where the
+/// region before it ends, the first one at the eye; beyond the last one, `calc_shadow` is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// The view depth at which it ends, metres: what lies there is the next one's. It is compared as `f32`.
+    pub end: f64,
+    /// Values of the method's axes in place of the light's own, with which `calc_shadow` gives the same here.
+    pub axes: BTreeMap<String, String>,
 }
 
 /// A texture that a method owns.

@@ -75,6 +75,17 @@ impl View {
     pub fn frustum_relative(&self) -> Frustum {
         Frustum::from_matrix(self.view_proj_relative())
     }
+
+    /// What it sees between two view depths (metres, the first above 0 and below the second), in camera-relative
+    /// space.
+    pub fn part_relative(&self, near: f64, far: f64) -> Frustum {
+        let projection = Projection {
+            near,
+            far,
+            ..self.projection
+        };
+        Frustum::from_matrix(projection.matrix() * self.view_relative())
+    }
 }
 
 impl Projection {

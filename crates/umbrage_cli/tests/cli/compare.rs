@@ -109,7 +109,20 @@ fn configurations_become_rows_of_a_report() {
     // A rectangle and a cube, four bytes a texel; 1 fetch and 9 or 25 of them.
     assert_eq!(number(small, "memory_bytes"), 7.0 * 4.0 * 128.0 * 128.0);
     assert_eq!(number(small, "fetches_per_pixel"), 1.0);
+    assert_eq!(small["fetch_shares"], serde_json::json!({ "1": 1.0 }));
+    let shares = large["fetch_shares"].as_object().expect("shares");
+    let (mut all, mut mean) = (0.0, 0.0);
+    for (count, share) in shares {
+        let share = share.as_f64().expect("a share");
+        all += share;
+        mean += share * count.parse::<f64>().expect("a count");
+    }
+    assert!(
+        (all - 1.0_f64).abs() < 1e-9 && shares.len() > 1,
+        "{shares:?}"
+    );
     let fetches = number(large, "fetches_per_pixel");
+    assert!((mean - fetches).abs() < 1e-9, "{mean} {fetches}");
     assert!((9.0..25.0).contains(&fetches), "{fetches}");
     assert!(number(large, "rmse") < number(small, "rmse"));
     assert!(number(large, "flip") < number(small, "flip"));

@@ -43,9 +43,9 @@ fn a_scene_becomes_a_picture() {
 }
 
 #[test]
-fn both_paths_draw_one_picture() {
+fn all_paths_draw_one_picture() {
     let folder = TempDir::new().expect("a folder");
-    let pictures = ["forward", "mask"].map(|path| {
+    let pictures = ["forward", "mask", "mask_by_split"].map(|path| {
         let out = path_in(&folder, path);
         let out = format!("{out}.png");
         let output = umbrage(&[
@@ -55,13 +55,15 @@ fn both_paths_draw_one_picture() {
         let mut lines = stderr(&output).lines();
         let of_mask = |line: &str| line.contains("pass=mask") && line.contains("for the shadow of");
         let masked = lines.any(of_mask);
-        assert_eq!(masked, path == "mask", "{}", stderr(&output));
+        assert_eq!(masked, path != "forward", "{}", stderr(&output));
         image::open(&out).expect("a picture").into_rgb8()
     });
-    let [forward, mask] = pictures.each_ref().map(|picture| picture.as_raw());
+    let [forward, masks @ ..] = pictures.each_ref().map(|picture| picture.as_raw());
     // A code of 8 bits, where a value lies between two.
     let alike = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
-    assert!(forward.iter().zip(mask).all(alike));
+    for mask in masks {
+        assert!(forward.iter().zip(mask).all(alike));
+    }
 }
 
 #[test]

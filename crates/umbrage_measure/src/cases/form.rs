@@ -12,21 +12,14 @@ use super::{
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = vec![open(), leaves(), mirrored(), contact(), contact_lamp()];
-    for (name, width) in [
-        ("steep-blocks-3", "3"),
-        ("steep-blocks-5", "5"),
-        ("steep-blocks-7", "7"),
-        ("steep-blocks-15", "15"),
-    ] {
-        let case = blocks().case(
-            name,
-            "planes, nearly planes, steps and slivers under texels of 6 cm, filtered so many texels wide",
-        );
-        cases.push(
-            case.with_axis("pcf", width)
-                .with_setting("resolution", 256.0),
-        );
-    }
+    let sun = |stage: &mut Stage, light| {
+        stage.sun(light);
+    };
+    let lamp = |stage: &mut Stage, light| {
+        stage.spot(-6.0 * light, DVec3::ZERO, 36.0, 14.0);
+    };
+    cases.extend(STEEP.map(|(name, width)| blocks(name, width, sun, 256.0)));
+    cases.extend(STEEP_SPOT.map(|(name, width)| blocks(name, width, lamp, 128.0)));
     cases
 }
 
@@ -152,15 +145,37 @@ fn contact_lamp() -> Case {
     )
 }
 
-/// Patches of two metres: a gentle and a steep plane, ground that is a plane but for millimetres, stairs, fins
-/// a centimetre thick, and a ridge; 16 m of ground, so that 256 texels are 6 cm each.
-fn blocks() -> Stage {
+/// Names, and the filters' widths.
+const STEEP: [(&str, &str); 4] = [
+    ("steep-blocks-3", "3"),
+    ("steep-blocks-5", "5"),
+    ("steep-blocks-7", "7"),
+    ("steep-blocks-15", "15"),
+];
+const STEEP_SPOT: [(&str, &str); 4] = [
+    ("steep-blocks-spot-3", "3"),
+    ("steep-blocks-spot-5", "5"),
+    ("steep-blocks-spot-7", "7"),
+    ("steep-blocks-spot-15", "15"),
+];
+
+/// Patches of two metres: a gentle and a steep plane, ground that is a plane but for millimetres, and ground
+/// that is one but for a texel, stairs, fins a centimetre thick, and a ridge. `light` is to shine along a
+/// direction; `texels` make up a map's side.
+fn blocks(
+    name: &'static str,
+    width: &'static str,
+    light: impl Fn(&mut Stage, DVec3),
+    texels: f64,
+) -> Case {
     let mut stage = Stage::new(camera(vec(0.4, 4.6, 7.0), vec(0.1, 0.2, 0.1), 42.0));
     let slab = Mesh::cuboid(Vec3::new(1.8, 0.1, 1.8));
     let slab = Arc::new(slab);
-    let rough = shapes::terrain(Vec2::splat(1.9), [24, 24], |at| {
-        0.25 + 0.006 * (9.0 * at.x).sin() * (11.0 * at.y).cos()
-    });
+    let rough = |height: f32| {
+        shapes::terrain(Vec2::splat(1.9), [24, 24], |at| {
+            0.25 + height * (9.0 * at.x).sin() * (11.0 * at.y).cos()
+        })
+    };
     let ridge = shapes::terrain(Vec2::splat(1.9), [2, 1], |at| 0.9 - 0.95 * at.x.abs());
     stage
         .ground(16.0, 16.0)
@@ -171,7 +186,8 @@ fn blocks() -> Stage {
             turned(vec(-2.6, 0.35, -1.2), 0.0, 12.0),
         )
         .put("steep", slab, BLUE, turned(vec(-2.6, 0.7, 1.4), 40.0, 62.0))
-        .put("rough", rough, STONE, at(0.0, 0.0, 1.4))
+        .put("rough", rough(0.006), STONE, at(0.0, 0.0, 1.4))
+        .put("rougher", rough(0.06), OCHRE, at(-0.1, 0.0, 3.5))
         .put("ridge", ridge, GREEN, turned(vec(2.6, 0.0, 1.5), 25.0, 0.0))
         .put(
             "stairs",
@@ -184,6 +200,11 @@ fn blocks() -> Stage {
         stage.block("fin", vec(0.01, 0.8, 1.6), STONE, vec(x, 0.0, -1.4));
     }
     stage.block("post", vec(0.05, 1.6, 0.05), BRICK, vec(-1.2, 0.0, 0.4));
-    stage.sun(vec(0.7, -0.75, -0.45));
-    stage
+    light(&mut stage, vec(0.7, -0.75, -0.45).normalize());
+    let case = stage.case(
+        name,
+        "planes, nearly planes, steps and slivers under texels of 6 cm, filtered so many texels wide",
+    );
+    case.with_axis("pcf", width)
+        .with_setting("resolution", texels)
 }

@@ -1,4 +1,4 @@
-//! Holding a method's figures against the limits.
+//! Holding a variant's figures against the limits.
 
 use std::sync::LazyLock;
 
@@ -12,13 +12,13 @@ use crate::figures::Figures;
 /// picture of the case that this one must look the same as, or the reverse.
 pub const DIFFERS: &str = "differs";
 
-/// Figures that no method may be excepted from.
+/// Figures that no variant may be excepted from.
 pub(super) const NEVER_EXCEPTED: [&str; 2] = ["bad_pixels", "compared"];
 
-/// How a method did in a case.
+/// How a variant did in a case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
-    /// Whether all limits are met, but for those that the method is excepted from.
+    /// Whether all limits are met, but for those that the variant is excepted from.
     pub passed: bool,
     /// What it is excepted from and does not meet, with the reasons; none where it meets all.
     pub exception: Option<String>,
@@ -38,12 +38,12 @@ pub struct Miss {
     pub found: Option<f64>,
     /// The limit.
     pub limit: Limit,
-    /// Why the method need not meet it; none where it must.
+    /// Why the variant need not meet it; none where it must.
     pub excepted: Option<String>,
 }
 
 impl Limits {
-    /// Holds `figures` of `method` against the limits of `case`; `differs` is the figure [`DIFFERS`] where
+    /// Holds `figures` of the variant called `variant` against the limits of `case`; `differs` is the figure [`DIFFERS`] where
     /// the case has a twin. None where there is no such case.
     ///
     /// Every limit of the case's own must find its figure. One for every case is passed over where the
@@ -51,19 +51,17 @@ impl Limits {
     pub fn judge(
         &self,
         case: &str,
-        method: &str,
+        variant: &str,
         figures: &Figures,
         differs: Option<f64>,
     ) -> Option<Verdict> {
-        let (_, limits) = self.cases.iter().find(|(name, _)| name.0 == case)?;
+        let limits = self.case(case)?;
         let values = Values::new(figures, differs);
-        let exceptions = limits.exceptions.get(method);
+        let exceptions = self.entry(&limits.exceptions, variant);
         let mut missed = Vec::new();
         let mut unnecessary = Vec::new();
 
-        let mut general = self.every.clone();
-        general.extend(limits.any.clone());
-        for (figure, limit) in general {
+        for (figure, limit) in self.general(limits) {
             let Figure(name) = figure;
             let found = values.get(name);
             let may_lack = !limits.any.contains_key(&figure) && is_optional(name);
@@ -80,12 +78,8 @@ impl Limits {
                 }),
             }
         }
-        for (Figure(name), limit) in limits
-            .methods
-            .get(method)
-            .into_iter()
-            .flat_map(|own| &own.0)
-        {
+        let own = self.entry(&limits.methods, variant);
+        for (Figure(name), limit) in own.into_iter().flat_map(|own| &own.0) {
             let found = values.get(name);
             if !found.is_some_and(|found| limit.holds(found)) {
                 missed.push(Miss {

@@ -1,65 +1,71 @@
 //! The limits that the hard cases are held to: `limits.ron`, and how it is read.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    fmt,
-    marker::PhantomData,
-    path::{Path, PathBuf},
-    sync::LazyLock,
-};
+use std::{collections::BTreeMap, fmt, sync::LazyLock};
 
-use ron::extensions::Extensions;
-use serde::{
-    Deserialize, Deserializer, Serialize,
-    de::{Error as _, MapAccess, Visitor},
-};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
+use umbrage_compose::{Error, Fault, RonFile};
 use umbrage_shadow::names::{nearest, suggestion};
 
 use super::judge::{NEVER_EXCEPTED, figure_names};
+use crate::study::Config;
 
-/// The limits of all hard cases.
+/// The limits of all hard cases, and the variants of methods that are held to them.
 ///
-/// A method meets a case where it meets each of its limits: those of `every`, those of the case's
+/// A variant meets a case where it meets each of its limits: those of `every`, those of the case's
 /// `any`, which stand in their place, and its own under `methods`. What it cannot meet is listed
 /// under `exceptions` with the reason; its own limit then says how far it may go.
+///
+/// A variant that is `like` another takes that one's limits and exceptions over, case by case, where it has none
+/// of its own. Each exception must be needed by each variant that has it.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    file: RonFile,
+    table: Table,
+}
+
+/// What is written in the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// For all methods in all cases, wherever the case has the figure.
-    #[serde(deserialize_with = "unique")]
-    pub(super) every: Bounds,
-    #[serde(deserialize_with = "unique")]
-    pub(super) cases: BTreeMap<CaseName, CaseLimits>,
+struct Table {
+    variants: Vec<Config>,
+    /// By variants, the one whose limits and exceptions are theirs too.
+    #[serde(default, deserialize_with = "RonFile::unique")]
+    like: BTreeMap<String, String>,
+    /// For all variants in all cases, wherever the case has the figure.
+    #[serde(deserialize_with = "RonFile::unique")]
+    every: Bounds,
+    #[serde(deserialize_with = "RonFile::unique")]
+    cases: BTreeMap<CaseName, CaseLimits>,
 }
 
 /// The limits of one case.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct CaseLimits {
-    /// For all methods. The case must have the figure.
-    #[serde(deserialize_with = "unique")]
+    /// For all variants. The case must have the figure.
+    #[serde(deserialize_with = "RonFile::unique")]
     pub(super) any: Bounds,
-    /// For a method, beside those for all.
-    #[serde(deserialize_with = "unique")]
+    /// For a variant, beside those for all.
+    #[serde(deserialize_with = "RonFile::unique")]
     pub(super) methods: BTreeMap<String, OwnLimits>,
-    /// What a method does not meet of the limits for all, and why.
-    #[serde(deserialize_with = "unique")]
+    /// What a variant does not meet of the limits for all, and why.
+    #[serde(deserialize_with = "RonFile::unique")]
     pub(super) exceptions: BTreeMap<String, Exceptions>,
 }
 
 /// Limits by figure.
 pub(super) type Bounds = BTreeMap<Figure, Limit>;
 
-/// A method's own limits.
+/// A variant's own limits.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(transparent)]
-pub(super) struct OwnLimits(#[serde(deserialize_with = "unique")] pub(super) Bounds);
+pub(super) struct OwnLimits(#[serde(deserialize_with = "RonFile::unique")] pub(super) Bounds);
 
 /// Reasons by figure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct Exceptions(
-    #[serde(deserialize_with = "unique")] pub(super) BTreeMap<Excepted, Reason>,
+    #[serde(deserialize_with = "RonFile::unique")] pub(super) BTreeMap<Excepted, Reason>,
 );
 
 /// What a figure must not exceed, or not fall below.
@@ -132,137 +138,196 @@ impl fmt::Display for Limit {
     }
 }
 
-/// Why a table of limits was refused: where in the file, what, and what to do.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}:{line}:{column}: {message}", path.display())]
-pub struct LimitsError {
-    /// The file.
-    pub path: PathBuf,
-    /// From 1.
-    pub line: usize,
-    /// From 1, in characters.
-    pub column: usize,
-    /// What is wrong.
-    pub message: String,
-}
-
 impl Limits {
     /// The project's own table, `crates/umbrage_measure/limits.ron`.
     ///
     /// # Errors
     /// A table that is refused.
-    pub fn built_in() -> Result<Self, LimitsError> {
+    pub fn built_in() -> Result<Self, Error> {
         let path = "crates/umbrage_measure/limits.ron";
-        Self::parse(include_str!("../../limits.ron"), Path::new(path))
+        Self::read(RonFile::new(path, include_str!("../../limits.ron")))
     }
 
-    /// Reads a table; `path` is what errors call it.
+    /// Reads a table.
     ///
     /// # Errors
-    /// What is not RON or has fields that are not known; a figure or a case that there is not, or a case that
-    /// is not in the table; a limit or an exception without a reason; an exception to what has no limit or
-    /// admits none; a method's own limit that asks for no more than the one for all.
-    pub fn parse(text: &str, path: &Path) -> Result<Self, LimitsError> {
-        let at = |(line, column), message| LimitsError {
-            path: path.to_owned(),
-            line,
-            column,
-            message,
+    /// What is not RON or has fields that are not known; a figure, a case or a variant that there is not, or a case
+    /// that is not in the table; two variants of one name, or one that is like itself or like one that is like
+    /// another; a limit or an exception without a reason; an exception to what has no limit or
+    /// admits none; a variant's own limit that asks for no more than the one for all. With the place in the file.
+    pub fn read(file: RonFile) -> Result<Self, Error> {
+        let table: Table = file.parse()?;
+        let checked = table.check();
+        checked.map_err(|(words, message)| file.fault(message, file.all(), &words))?;
+        Ok(Self { file, table })
+    }
+
+    /// The variants, in the file's order. Their methods, axes and settings are not checked.
+    pub fn variants(&self) -> &[Config] {
+        &self.table.variants
+    }
+
+    /// A fault of the file, at the variant called `name`.
+    pub(crate) fn fault(&self, name: &str, message: String) -> Fault {
+        let mut names = self.table.variants.iter();
+        let words = match names.position(|variant| variant.name == name) {
+            Some(index) => self.table.words_to(index),
+            None => vec!["variants"],
         };
-        let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-        let limits: Self = options.from_str(text).map_err(|error| {
-            let place = error.span.start;
-            at((place.line, place.col), error.code.to_string())
-        })?;
+        self.file.fault(message, self.file.all(), &words)
+    }
+
+    /// The limits of one case; none where there is no such case.
+    pub(super) fn case(&self, name: &str) -> Option<&CaseLimits> {
+        let mut cases = self.table.cases.iter();
+        cases.find_map(|(case, limits)| (case.0 == name).then_some(limits))
+    }
+
+    /// The limits for all variants in a case.
+    pub(super) fn general(&self, case: &CaseLimits) -> Bounds {
+        self.table.general(case)
+    }
+
+    /// What `entries` has for `variant`.
+    pub(super) fn entry<'a, T>(
+        &'a self,
+        entries: &'a BTreeMap<String, T>,
+        variant: &str,
+    ) -> Option<&'a T> {
+        let (_, entry) = self.table.entry(entries, variant)?;
+        Some(entry)
+    }
+}
+
+/// The words that lead to a fault, and what is wrong.
+type Found<'a> = (Vec<&'a str>, String);
+
+impl Table {
+    fn general(&self, case: &CaseLimits) -> Bounds {
+        let mut general = self.every.clone();
+        general.extend(case.any.clone());
+        general
+    }
+
+    /// The variant's own entry, or else that of the one that it is like; by the name that it is written under.
+    fn entry<'a, T>(
+        &'a self,
+        entries: &'a BTreeMap<String, T>,
+        variant: &str,
+    ) -> Option<(&'a str, &'a T)> {
+        let own = entries.get_key_value(variant);
+        let entry = own.or_else(|| entries.get_key_value(self.like.get(variant)?));
+        entry.map(|(name, entry)| (name.as_str(), entry))
+    }
+
+    /// Checks what no single entry shows.
+    fn check(&self) -> Result<(), Found<'_>> {
+        self.check_variants()?;
         for name in CASES.iter() {
-            if !limits.cases.contains_key(&CaseName(name)) {
+            if !self.cases.contains_key(&CaseName(name)) {
                 let message = format!(
                     "the case `{name}` is not in the table; add it, `\"{name}\": ()` where it is held to no more than \
                      every case is"
                 );
-                return Err(at(place(text, &["cases"]), message));
+                return Err((vec!["cases"], message));
             }
         }
-        for (case, own) in &limits.cases {
-            limits.check(case, own).map_err(|(words, message)| {
-                let path: Vec<_> = ["cases", case.0].into_iter().chain(words).collect();
-                at(place(text, &path), message)
+        for (CaseName(case), limits) in &self.cases {
+            let checked = self.check_case(case, limits);
+            checked.map_err(|(words, message)| {
+                let words = ["cases", case].into_iter().chain(words).collect();
+                (words, message)
             })?;
         }
-        Ok(limits)
+        Ok(())
     }
 
-    /// The methods that are named.
-    pub fn methods(&self) -> BTreeSet<&str> {
-        let cases = self.cases.values();
-        let names = cases.flat_map(|case| case.methods.keys().chain(case.exceptions.keys()));
-        names.map(String::as_str).collect()
+    /// The words that lead to a variant's name: methods may be called the same.
+    fn words_to(&self, variant: usize) -> Vec<&str> {
+        let names = self.variants.iter().take(variant + 1);
+        let names = names.flat_map(|variant| ["name", &variant.name]);
+        std::iter::once("variants").chain(names).collect()
     }
 
-    /// The limit for all methods.
-    pub(super) fn general(&self, case: &CaseLimits, figure: Figure) -> Option<Limit> {
-        case.any
-            .get(&figure)
-            .or_else(|| self.every.get(&figure))
-            .cloned()
+    fn check_variants(&self) -> Result<(), Found<'_>> {
+        for (index, Config { name, .. }) in self.variants.iter().enumerate() {
+            if self.variants[..index]
+                .iter()
+                .any(|other| other.name == *name)
+            {
+                let message = format!("two variants are called `{name}`; rename one");
+                return Err((self.words_to(index), message));
+            }
+        }
+        for (name, other) in &self.like {
+            for known in [name, other] {
+                self.check_name(known)
+                    .map_err(|message| (vec!["like", known.as_str()], message))?;
+            }
+            if name == other {
+                let message = format!("`{name}` is like itself; take the line out");
+                return Err((vec!["like", name], message));
+            }
+            if let Some(third) = self.like.get(other) {
+                let message =
+                    format!("`{name}` is like `{other}`, which is like `{third}`; name that one");
+                return Err((vec!["like", name, other], message));
+            }
+        }
+        Ok(())
     }
 
-    /// Checks what no single entry shows. A fault says which words lead to it.
-    fn check<'a>(
-        &self,
-        case: &CaseName,
-        limits: &'a CaseLimits,
-    ) -> Result<(), ([&'a str; 3], String)> {
-        let CaseName(case) = case;
-        for (method, exceptions) in &limits.exceptions {
+    fn check_name(&self, variant: &str) -> Result<(), String> {
+        let names = || self.variants.iter().map(|config| config.name.as_str());
+        match names().any(|name| name == variant) {
+            true => Ok(()),
+            false => Err(unknown("variant", variant, names())),
+        }
+    }
+
+    fn check_case<'a>(&'a self, case: &str, limits: &'a CaseLimits) -> Result<(), Found<'a>> {
+        let named = |field: &'static str, name: &'a str| {
+            let checked = self.check_name(name);
+            checked.map_err(|message| (vec![field, name], message))
+        };
+        let general = self.general(limits);
+        for (variant, exceptions) in &limits.exceptions {
+            named("exceptions", variant)?;
             for Excepted(figure) in exceptions.0.keys() {
-                if self.general(limits, *figure).is_none() {
-                    let Figure(figure) = figure;
+                if !general.contains_key(figure) {
                     let message = format!(
-                        "`{method}` is excepted from a limit of `{figure}`, but `{case}` has none; take the exception out"
+                        "`{variant}` is excepted from a limit of `{figure}`, but `{case}` has none; take the exception \
+                         out"
                     );
-                    return Err((["exceptions", method, figure], message));
+                    return Err((vec!["exceptions", variant, figure.0], message));
                 }
             }
         }
-        for (method, own) in &limits.methods {
+        for variant in limits.methods.keys() {
+            named("methods", variant)?;
+        }
+        for Config { name: variant, .. } in &self.variants {
+            let Some((from, own)) = self.entry(&limits.methods, variant) else {
+                continue;
+            };
+            let excepted = self.entry(&limits.exceptions, variant);
             for (figure, limit) in &own.0 {
-                let excepted = limits.exceptions.get(method);
-                let is_excepted = excepted.is_some_and(|e| e.0.contains_key(&Excepted(*figure)));
-                let general = self.general(limits, *figure);
-                if let Some(general) = general
+                let is_excepted = excepted
+                    .is_some_and(|(_, excepted)| excepted.0.contains_key(&Excepted(*figure)));
+                if let Some(general) = general.get(figure)
                     && !is_excepted
-                    && !limit.is_stricter_than(&general)
+                    && !limit.is_stricter_than(general)
                 {
-                    let Figure(figure) = figure;
                     let message = format!(
-                        "`{method}` may have a `{figure}` of {limit}, but all methods are held to {general}; say under \
+                        "`{variant}` may have a `{figure}` of {limit}, but all methods are held to {general}; say under \
                          `exceptions` why it need not be, or take its own limit out"
                     );
-                    return Err((["methods", method, figure], message));
+                    return Err((vec!["methods", from, figure.0], message));
                 }
             }
         }
         Ok(())
     }
-}
-
-/// The line and column, from 1, of the last of `words`, each looked for after the one before: RON's values
-/// carry no places of their own.
-fn place(text: &str, words: &[&str]) -> (usize, usize) {
-    let (mut start, mut from) = (0, 0);
-    for word in words {
-        let quoted = format!("\"{word}\"");
-        let rest = &text[from..];
-        if let Some(at) = rest.find(&quoted).or_else(|| rest.find(word)) {
-            start = from + at;
-            from = start + word.len();
-        }
-    }
-    let before = &text[..start];
-    let line = 1 + before.matches('\n').count();
-    let last = before.rsplit('\n').next().unwrap_or_default();
-    (line, 1 + last.chars().count())
 }
 
 /// The names of all cases; making the scenes takes a while.
@@ -277,13 +342,31 @@ pub(super) struct CaseName(pub(super) &'static str);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Figure(pub(super) &'static str);
 
-/// A figure that a method may be excepted from.
+/// A figure that a variant may be excepted from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Excepted(pub(super) Figure);
 
 /// A reason; it says something.
 #[derive(Clone, Debug)]
 pub(super) struct Reason(pub(super) String);
+
+impl fmt::Display for CaseName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl fmt::Display for Excepted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
 
 impl<'de> Deserialize<'de> for CaseName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -335,46 +418,15 @@ fn known<E: serde::de::Error>(
     known: &[&'static str],
 ) -> Result<&'static str, E> {
     let found = known.iter().find(|known| **known == name).copied();
-    found.ok_or_else(|| {
-        let near = nearest(name, known.iter().copied());
-        let hint = match near {
-            Some(_) => suggestion(&near),
-            None => format!(" (known: {})", known.join(", ")),
-        };
-        E::custom(format!("there is no {what} `{name}`{hint}"))
-    })
+    found.ok_or_else(|| E::custom(unknown(what, name, known.iter().copied())))
 }
 
-/// A map in which each key stands once: RON lets a later one win.
-fn unique<'de, D, K, V>(deserializer: D) -> Result<BTreeMap<K, V>, D::Error>
-where
-    D: Deserializer<'de>,
-    K: Deserialize<'de> + Ord + fmt::Debug,
-    V: Deserialize<'de>,
-{
-    struct Unique<K, V>(PhantomData<(K, V)>);
-    impl<'de, K, V> Visitor<'de> for Unique<K, V>
-    where
-        K: Deserialize<'de> + Ord + fmt::Debug,
-        V: Deserialize<'de>,
-    {
-        type Value = BTreeMap<K, V>;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a map")
-        }
-
-        fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
-            let mut map = BTreeMap::new();
-            while let Some(key) = entries.next_key::<K>()? {
-                if map.contains_key(&key) {
-                    return Err(A::Error::custom(format!("{key:?} stands twice; keep one")));
-                }
-                let value = entries.next_value()?;
-                map.insert(key, value);
-            }
-            Ok(map)
-        }
-    }
-    deserializer.deserialize_map(Unique(PhantomData))
+/// That there is no such name, and which was meant or may be.
+fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    let near = nearest(name, known.clone());
+    let hint = match near {
+        Some(_) => suggestion(&near),
+        None => format!(" (known: {})", known.collect::<Vec<_>>().join(", ")),
+    };
+    format!("there is no {what} `{name}`{hint}")
 }

@@ -16,16 +16,19 @@ mod stage;
 mod tests;
 #[cfg(test)]
 mod tests_of_limits;
+#[cfg(test)]
+mod tests_of_scenes;
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt};
 
-use umbrage_render::{Camera, RenderOptions, Scene, What};
+use umbrage_render::{Camera, RenderOptions, Scene};
 use umbrage_shadow::ShadowMethod;
 
 pub use self::{
     judge::{DIFFERS, Miss, Verdict},
-    limits::{Limit, Limits, LimitsError},
+    limits::{Limit, Limits},
 };
+use crate::study::Config;
 
 /// A scene that is hard to shadow.
 #[derive(Clone, Debug)]
@@ -59,27 +62,31 @@ impl Case {
         }
     }
 
-    /// How `method` is asked to render this case: its defaults, but for what makes the case.
-    pub fn options(&self, method: &dyn ShadowMethod, what: What) -> RenderOptions {
-        let has_axis = |axis: &&str| method.axes().contains(axis);
-        let setting = |name: &str| method.settings().iter().find(|s| s.name == name);
-        let axes = self.axes.iter().filter(|(axis, _)| has_axis(axis));
-        // As near to what makes the case as the method can come.
-        let settings = self.settings.iter().filter_map(|(name, value)| {
-            let setting = setting(name)?;
-            Some(((*name).to_owned(), value.clamp(setting.min, setting.max)))
-        });
-        RenderOptions {
-            width: self.size.0,
-            height: self.size.1,
-            what,
-            method: Some(method.name().to_owned()),
-            axes: axes
-                .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
-                .collect(),
-            settings: settings.collect(),
-            ..RenderOptions::default()
+    /// How `variant`, which is of `method`, is asked to render this case: as it is, but for what makes the
+    /// case.
+    ///
+    /// # Errors
+    /// Why it is not, as the two do not go together.
+    pub fn options(
+        &self,
+        variant: &Config,
+        method: &dyn ShadowMethod,
+    ) -> Result<RenderOptions, String> {
+        let mut options = variant.options(self.size);
+        for (axis, value) in &self.axes {
+            if method.axes().contains(axis) {
+                choose(&mut options.axes, axis, (*value).to_owned())?;
+            }
         }
+        for (name, value) in &self.settings {
+            let setting = method.settings().iter().find(|s| s.name == *name);
+            if let Some(setting) = setting {
+                // As near to what makes the case as the method can come.
+                let value = value.clamp(setting.min, setting.max);
+                choose(&mut options.settings, name, value)?;
+            }
+        }
+        Ok(options)
     }
 
     fn with_axis(mut self, axis: &'static str, value: &'static str) -> Self {
@@ -90,6 +97,23 @@ impl Case {
     fn with_setting(mut self, name: &'static str, value: f64) -> Self {
         self.settings.insert(name, value);
         self
+    }
+}
+
+/// Has a case choose `value`, where the variant has not chosen another.
+fn choose<V: PartialEq + fmt::Display>(
+    chosen: &mut BTreeMap<String, V>,
+    name: &str,
+    value: V,
+) -> Result<(), String> {
+    match chosen.get(name).filter(|other| **other != value) {
+        Some(other) => Err(format!(
+            "the case has `{name}` at {value}, the variant at {other}"
+        )),
+        None => {
+            chosen.insert(name.to_owned(), value);
+            Ok(())
+        }
     }
 }
 

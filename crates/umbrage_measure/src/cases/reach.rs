@@ -18,6 +18,8 @@ pub(super) fn cases() -> Vec<Case> {
         exponent(),
         overlap(),
         overlap_spot(),
+        contact(),
+        contact_spot(),
     ]
 }
 
@@ -163,5 +165,55 @@ fn overlap_spot() -> Case {
     stage.case(
         "exponent-overlap-spot",
         "the same under a spot light, whose depth is no longer linear",
+    )
+}
+
+/// A kerb, a plinth, a pillar and a ramp on the ground, their shadows towards the viewer.
+fn standing() -> Stage {
+    let mut stage = Stage::new(camera(vec(0.3, 2.5, 4.8), vec(0.2, 0.3, 0.0), 46.0));
+    stage
+        .ground(12.0, 12.0)
+        .block("kerb", vec(2.2, 0.07, 0.3), STONE, vec(-0.6, 0.0, 1.2))
+        .block("plinth", vec(0.7, 0.3, 0.6), BRICK, vec(1.2, 0.0, 0.5))
+        .block("pillar", vec(0.25, 1.3, 0.25), OCHRE, vec(-1.1, 0.0, -0.4))
+        .put(
+            "ramp",
+            shapes::wedge(Vec3::new(0.9, 0.4, 0.7)),
+            GREEN,
+            turned(vec(0.2, 0.0, -0.9), 200.0, 0.0),
+        );
+    stage
+}
+
+fn contact() -> Case {
+    let mut stage = standing();
+    let light = vec(0.32, -1.0, 0.4).normalize();
+    // Across the shadows of plinth and kerb, from 80 m up.
+    for (x, z, turn) in [(-1.2, 1.5, 25.0), (1.8, 1.0, -10.0)] {
+        let beam = Mesh::cuboid(Vec3::new(0.4, 0.3, 2.4));
+        let up = light * (80.0 / light.y.abs());
+        stage.put("beam", beam, BLUE, turned(vec(x, 0.0, z) - up, turn, 0.0));
+    }
+    stage.sun(light);
+    stage.case(
+        "exponent-contact",
+        "shadows that begin at the caster, in a map whose depths span 80 m: contact is lit by any exponent",
+    )
+}
+
+fn contact_spot() -> Case {
+    let mut stage = standing();
+    let (lamp, target) = (vec(-2.4, 6.0, -3.2), vec(0.2, 0.0, 0.4));
+    // Bars so near to the lamp that most of its depths lie before them.
+    for (index, distance) in [0.12, 0.2].into_iter().enumerate() {
+        let across = (0.5 - index as f64) * 0.5 * distance;
+        let bar = Mesh::cuboid(Vec3::new(0.1, 0.1, 1.6) * distance as f32);
+        let place = lamp + distance * (target - lamp).normalize() + vec(across, 0.0, 0.0);
+        stage.put("bar", bar, BLUE, turned(place, 20.0, 0.0));
+    }
+    stage.spot(lamp, target, 34.0, 14.0);
+    stage.case(
+        "exponent-contact-spot",
+        "the same under a spot light with a grating 12 cm before it: depths in a ratio of 80",
     )
 }

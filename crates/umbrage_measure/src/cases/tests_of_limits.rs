@@ -1,13 +1,19 @@
 //! The table of limits, and how figures are held against it.
 
-use std::{collections::BTreeSet, fmt::Write as _, path::Path};
+use std::{collections::BTreeSet, fmt::Write as _};
+
+use umbrage_compose::RonFile;
 
 use super::{DIFFERS, Limits, all, limits::Figure};
 use crate::figures::Figures;
 
+const VARIANTS: &str = r#"[(name: "basic", method: "basic"), (name: "other", method: "basic"), (name: "wide", method: "basic")]"#;
+
 /// A table with `grazing` for the case `grazing-85`, and nothing more for the others.
 fn table(every: &str, grazing: &str) -> String {
-    let mut text = format!("(\n  every: {{ {every} }},\n  cases: {{\n");
+    let mut text = format!(
+        "( // \"basic\", \"other\"\n  every: {{ {every} }}, variants: {VARIANTS}, like: {{ \"wide\": \"basic\" }},\n  cases: {{\n"
+    );
     for case in all() {
         let entry = if case.name == "grazing-85" {
             grazing
@@ -20,12 +26,16 @@ fn table(every: &str, grazing: &str) -> String {
 }
 
 fn read(every: &str, grazing: &str) -> Limits {
-    Limits::parse(&table(every, grazing), Path::new("limits.ron")).expect("a sound table")
+    Limits::read(RonFile::new("limits.ron", table(every, grazing))).expect("a sound table")
 }
 
+/// The place and the message.
 fn refusal(text: &str) -> String {
-    let refused = Limits::parse(text, Path::new("limits.ron"));
-    refused.expect_err("it must be refused").to_string()
+    let refused = Limits::read(RonFile::new("limits.ron", text));
+    let refused = refused.expect_err("it must be refused");
+    let fault = &refused.faults()[0];
+    let at = fault.location().expect("a place");
+    format!("{}:{}:{}: {}", at.file, at.line, at.column, fault.message)
 }
 
 /// Line of the entry `grazing-85` in `table`.
@@ -39,17 +49,18 @@ const BAD: &str = r#""bad_pixels": (most: 0, why: "w")"#;
 #[test]
 fn the_built_in_table_is_sound() {
     let limits = Limits::built_in().expect("a sound table");
-    assert_eq!(limits.methods(), BTreeSet::from(["basic", "pssm"]));
+    let names: Vec<_> = limits.variants().iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["basic", "basic 15", "pssm", "pssm tight"]);
     let twins: BTreeSet<_> = all()
         .iter()
         .filter(|c| c.same_as.is_some())
         .map(|c| c.name)
         .collect();
-    let held = limits
-        .cases
-        .iter()
-        .filter(|(_, own)| own.any.contains_key(&Figure(DIFFERS)));
-    assert_eq!(held.map(|(name, _)| name.0).collect::<BTreeSet<_>>(), twins);
+    let held = all().into_iter().filter(|case| {
+        let own = limits.case(case.name).expect("the case");
+        own.any.contains_key(&Figure(DIFFERS))
+    });
+    assert_eq!(held.map(|case| case.name).collect::<BTreeSet<_>>(), twins);
     for case in all() {
         let bad = Figures {
             bad_pixels: 1,
@@ -127,7 +138,7 @@ fn what_says_nothing_or_too_much_is_refused() {
         (r#"(sometimes: {})"#, "sometimes"),
         (
             r#"(any: { "acne": (most: 1, why: "w"), "acne": (most: 2, why: "w") })"#,
-            r#"Figure("acne") stands twice"#,
+            "`acne` stands twice",
         ),
         (
             r#"(exceptions: { "basic": { "bad_pixels": "r" } })"#,
@@ -151,9 +162,112 @@ fn what_says_nothing_or_too_much_is_refused() {
         );
     }
     assert_eq!(
-        refusal("(every: {}, cases: {}"),
-        "limits.ron:1:21: Expected comma"
+        refusal("(variants: [], every: {}, cases: {}"),
+        "limits.ron:1:35: Expected comma"
     );
+}
+
+#[test]
+fn variants_are_told_apart() {
+    let good = table(BAD, "()");
+    for (from, to, place, message) in [
+        (
+            r#"name: "other""#,
+            r#"name: "basic""#,
+            r#""basic", method: "basic"), (name: "wide""#,
+            "two variants are called `basic`; rename one",
+        ),
+        (
+            r#""wide": "basic""#,
+            r#""wide": "basics""#,
+            r#""basics""#,
+            "there is no variant `basics`; did you mean `basic`?",
+        ),
+        (
+            r#""wide": "basic""#,
+            r#""wade": "basic""#,
+            r#""wade""#,
+            "there is no variant `wade`; did you mean `wide`?",
+        ),
+        (
+            r#""wide": "basic""#,
+            r#""wide": "wide""#,
+            r#""wide": "wide""#,
+            "`wide` is like itself; take the line out",
+        ),
+        (
+            r#""wide": "basic""#,
+            r#""basic": "other", "wide": "basic""#,
+            r#""basic" }"#,
+            "`wide` is like `basic`, which is like `other`; name that one",
+        ),
+    ] {
+        let text = good.replace(from, to);
+        let line = text.lines().nth(1).expect("a second line");
+        let column = 1 + line.find(place).expect("the place");
+        assert_eq!(refusal(&text), format!("limits.ron:2:{column}: {message}"));
+    }
+    let misspelt = |field: &str| format!(r#"({field}: {{ "wider": {{}} }})"#);
+    for field in ["methods", "exceptions"] {
+        let refused = refusal(&table(BAD, &misspelt(field)));
+        assert!(
+            refused.ends_with("there is no variant `wider`; did you mean `wide`?"),
+            "{refused}"
+        );
+        assert!(
+            refused.starts_with(&format!("limits.ron:{}:", line())),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
+fn a_variant_that_is_like_another_is_held_to_the_same() {
+    let own = |more: &str| {
+        let entry = format!(
+            r#"(
+                any: {{ "acne": (most: 0.2, why: "w") }},
+                methods: {{ "basic": {{ "acne": (most: 0.5, why: "w") }} }},
+                exceptions: {{ "basic": {{ "acne": "too steep" }}{more} }},
+            )"#
+        );
+        table(BAD, &entry)
+    };
+    let limits = Limits::read(RonFile::new("limits.ron", own(""))).expect("a sound table");
+    let judge = |variant: &str, acne: f64| {
+        let figures = Figures {
+            acne,
+            ..Figures::default()
+        };
+        let verdict = limits.judge("grazing-85", variant, &figures, None);
+        verdict.expect("a case")
+    };
+    for acne in [0.1, 0.3, 0.6] {
+        assert_eq!(judge("wide", acne), judge("basic", acne));
+        assert_eq!(judge("other", acne).passed, acne < 0.2);
+    }
+    // Each that has an exception must need it.
+    assert_eq!(judge("wide", 0.1).unnecessary, ["acne"]);
+    // And may decline it; the other's own limit then asks for no more than the one for all.
+    let refused = refusal(&own(r#", "wide": {}"#));
+    assert!(
+        refused.contains(
+            "`wide` may have a `acne` of at most 0.5, but all methods are held to at most 0.2"
+        ),
+        "{refused}"
+    );
+    let declined = own(r#", "wide": {}"#).replace(
+        r#"most: 0.5, why: "w") }"#,
+        r#"most: 0.5, why: "w") }, "wide": {}"#,
+    );
+    let limits = Limits::read(RonFile::new("limits.ron", declined)).expect("a sound table");
+    let figures = |acne| Figures {
+        acne,
+        ..Figures::default()
+    };
+    let judge = |acne| limits.judge("grazing-85", "wide", &figures(acne), None);
+    let verdicts = [0.1, 0.3].map(|acne| judge(acne).expect("a case"));
+    assert!(verdicts[0].passed && verdicts[0].unnecessary.is_empty() && !verdicts[1].passed);
 }
 
 #[test]

@@ -172,8 +172,7 @@ impl Pool {
         sample: &Sample<'_>,
         is_compared: impl Fn(usize) -> bool,
     ) {
-        let bad = |term: &&f32| !(0.0..=1.0).contains(*term);
-        self.counts.bad_pixels += sample.rendered.iter().filter(bad).count() as u64;
+        self.counts.bad_pixels += bad_pixels(sample.rendered);
         let reached = sample.truth.iter().filter(|truth| truth.is_some()).count();
         // Compared samples alone, from here on.
         let truth: Vec<_> = sample
@@ -283,6 +282,12 @@ impl Pool {
             ..self.counts
         }
     }
+}
+
+/// How many rendered terms are not a number, infinite, or outside 0..1.
+pub(crate) fn bad_pixels(rendered: &[f32]) -> u64 {
+    let bad = |term: &&f32| !(0.0..=1.0).contains(*term);
+    rendered.iter().filter(bad).count() as u64
 }
 
 /// By how much a rendered term is off; 0 to 1.

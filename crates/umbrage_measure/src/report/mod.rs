@@ -30,6 +30,8 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::figures::Figures;
@@ -131,9 +133,9 @@ pub struct Row {
     pub draws: u32,
     /// Texture fetches of `calc_shadow` a pixel, counted on the device, mean over the compared pixels.
     pub fetches_per_pixel: f64,
-    /// Of the compared samples that ask a shadow map, the share that bounds of its depths decide without filtering,
-    /// 0 to 1.
-    pub decided: f64,
+    /// The share of the compared pixels that take so many fetches, by their number. A filter that can tell early
+    /// that all of its texels agree is seen here: how often, and by what it looked at.
+    pub fetch_shares: BTreeMap<u32, f64>,
     /// What a GPU's compiler makes of the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
     /// Whether no other configuration of the scene is at once no worse and somewhere better, in error
@@ -142,6 +144,13 @@ pub struct Row {
 }
 
 impl Row {
+    /// The share of the compared pixels that take fewer fetches than the most that any takes, 0 to 1.
+    #[must_use]
+    pub fn cut_short(&self) -> f64 {
+        let most = self.fetch_shares.values().next_back();
+        most.map_or(0.0, |most| 1.0 - most)
+    }
+
     /// What methods are ranked by: the share of the compared samples that are wrongly lit or wrongly in
     /// shadow, 0 to 1.
     #[must_use]

@@ -90,6 +90,8 @@ pub fn compare(
     };
     for (name, scene) in scenes {
         let mut scene = scene.clone();
+        // What is compared is shadows on surfaces: air would hide them, and its maps would have more to hold.
+        scene.medium = None;
         // What the scene chooses for a method is not what the configuration is called.
         scene
             .lights
@@ -186,19 +188,16 @@ impl Run<'_> {
         moving: &[Subject<'_>],
         config: &Config,
     ) -> Result<Result<(Row, Pictures), String>, StudyError> {
-        if let (_, Some(reason)) = self.lab.lights(self.scene, &config.method)? {
+        if let (_, Some(reason)) = self.lab.lights(self.scene, config)? {
             return Ok(Err(reason));
         }
         let options = config.options(subject.size());
         let drawn = self.lab.terms(subject, &options).and_then(|terms| {
-            let counts = (
-                self.lab.fetches(subject, &options)?,
-                self.lab.decided(subject, &options)?,
-            );
-            Ok((terms, counts, self.lab.shaded(subject, &options)?))
+            let fetches = self.lab.fetches(subject, &options)?;
+            Ok((terms, fetches, self.lab.shaded(subject, &options)?))
         });
         // What the device refuses of one configuration says nothing of the others.
-        let (terms, (fetches_per_pixel, decided), shaded) = match drawn {
+        let (terms, fetch_shares, shaded) = match drawn {
             Ok(drawn) => drawn,
             Err(error) => return Ok(Err(error.to_string())),
         };
@@ -217,14 +216,17 @@ impl Run<'_> {
             path: match config.path {
                 Path::Forward => "forward".to_owned(),
                 Path::Mask => "mask".to_owned(),
+                Path::MaskBySplit => "mask_by_split".to_owned(),
             },
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,
             texels: report.texels,
             passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
-            fetches_per_pixel,
-            decided,
+            fetches_per_pixel: (fetch_shares.iter())
+                .map(|(count, share)| f64::from(*count) * share)
+                .sum(),
+            fetch_shares,
             isa: self.isa(&shaded)?,
             ..Row::default()
         };

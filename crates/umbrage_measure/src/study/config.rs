@@ -8,12 +8,15 @@ use umbrage_render::{Path, RenderOptions};
 use umbrage_shadow::{Registry, Settings, ShadowMethod};
 
 use super::StudyError;
+use crate::cases::Limits;
 
-/// A method with what is chosen for it: an entry of a file of configurations.
+/// A method with what is chosen for it: an entry of a file of configurations, or a variant in a table of
+/// [`Limits`].
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What reports call it; a method's configurations along one path have different names.
+    /// What reports call it; a method's configurations along one path have different names, and so have all
+    /// variants of a table.
     pub name: String,
     /// The shadow method of all lights.
     pub method: String,
@@ -23,7 +26,8 @@ pub struct Config {
     /// Values of the method's settings; the rest have their defaults.
     #[serde(default)]
     pub settings: BTreeMap<String, f64>,
-    /// How the shadow term comes to the surface: `forward` or by way of a `mask`.
+    /// How the shadow term comes to the surface: `forward`, by way of a `mask`, or of one filled split by split,
+    /// `mask_by_split`.
     #[serde(default)]
     pub path: Path,
 }
@@ -51,15 +55,16 @@ impl Config {
         let mut seen = BTreeSet::new();
         for config in &configs {
             let own = config.check(registry, library);
-            let checked = own.and_then(|()| {
-                match seen.insert((&config.method, &config.name, config.path == Path::Mask)) {
-                    true => Ok(()),
-                    false => Err(format!(
-                        "method `{}` has two configurations called `{}`",
-                        config.method, config.name
-                    )),
-                }
-            });
+            let checked =
+                own.and_then(
+                    |()| match seen.insert((&config.method, &config.name, config.path)) {
+                        true => Ok(()),
+                        false => Err(format!(
+                            "method `{}` has two configurations called `{}`",
+                            config.method, config.name
+                        )),
+                    },
+                );
             if let Err(problem) = checked {
                 let fault = file.fault(problem, file.all(), &[&config.name]);
                 return Err(umbrage_compose::Error::from(fault).into());
@@ -79,6 +84,47 @@ impl Config {
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
         let known: Vec<Self> = RonFile::new("configs.ron", STANDARD).parse()?;
+        let varied = |method: &dyn ShadowMethod| Self::varied(method, library);
+        Self::of_each(methods, registry, &known, varied)
+    }
+
+    /// What `methods` are held against the hard cases as: the variants that `limits` lists of each; a method of
+    /// which it lists none with its defaults, by its own name.
+    ///
+    /// # Errors
+    /// A method that is not registered; a variant with an axis, a value or a setting that its method does not
+    /// have, with the place in the table; a method without a variant that is called as another's is.
+    pub fn variants(
+        limits: &Limits,
+        methods: &[String],
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Self>, StudyError> {
+        let plain = |method: &dyn ShadowMethod| vec![Self::plain(method, method.name())];
+        let variants = Self::of_each(methods, registry, limits.variants(), plain)?;
+        for variant in &variants {
+            let listed = limits.variants().iter().find(|v| v.name == variant.name);
+            let checked = match listed.filter(|listed| listed.method != variant.method) {
+                Some(listed) => Err(format!(
+                    "a variant of `{}` is called as the method `{}`; rename it, or list a variant of that method",
+                    listed.method, variant.name
+                )),
+                None => variant.check(registry, library),
+            };
+            checked.map_err(|problem| {
+                umbrage_compose::Error::from(limits.fault(&variant.name, problem))
+            })?;
+        }
+        Ok(variants)
+    }
+
+    /// Those of `known` that are of each of `methods`; what `otherwise` has of a method with none.
+    fn of_each(
+        methods: &[String],
+        registry: &Registry,
+        known: &[Self],
+        otherwise: impl Fn(&dyn ShadowMethod) -> Vec<Self>,
+    ) -> Result<Vec<Self>, StudyError> {
         let mut configs = Vec::new();
         for name in methods {
             let method = registry.get(name).map_err(StudyError::Method)?;
@@ -86,20 +132,24 @@ impl Config {
             let before = configs.len();
             configs.extend(own.cloned());
             if configs.len() == before {
-                configs.extend(Self::varied(method.as_ref(), library));
+                configs.extend(otherwise(method.as_ref()));
             }
         }
         Ok(configs)
     }
 
-    /// The method's defaults, and each value of its axes by itself.
-    fn varied(method: &dyn ShadowMethod, library: &Library) -> Vec<Self> {
-        let plain = Self {
-            name: "default".to_owned(),
+    /// The method's defaults, called `name`.
+    fn plain(method: &dyn ShadowMethod, name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
             method: method.name().to_owned(),
             ..Self::default()
-        };
-        let mut configs = vec![plain.clone()];
+        }
+    }
+
+    /// The method's defaults, and each value of its axes by itself.
+    fn varied(method: &dyn ShadowMethod, library: &Library) -> Vec<Self> {
+        let mut configs = vec![Self::plain(method, "default")];
         for name in method.axes() {
             let Some(axis) = library.axes().get(name) else {
                 continue;
@@ -109,9 +159,8 @@ impl Config {
                 .filter(|v| Some(*v) != axis.default.as_deref())
             {
                 configs.push(Self {
-                    name: format!("{name} {value}"),
                     axes: BTreeMap::from([((*name).to_owned(), value.to_owned())]),
-                    ..plain.clone()
+                    ..Self::plain(method, &format!("{name} {value}"))
                 });
             }
         }
@@ -124,7 +173,7 @@ impl Config {
     }
 
     /// What a renderer is to be told.
-    pub(super) fn options(&self, (width, height): (u32, u32)) -> RenderOptions {
+    pub(crate) fn options(&self, (width, height): (u32, u32)) -> RenderOptions {
         RenderOptions {
             width,
             height,

@@ -1,15 +1,13 @@
 //! Draws a scene with a method, and measures what was drawn.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Vec3;
 use umbrage_compose::{Composer, Library, Permutation};
-use umbrage_render::{
-    Decision, Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What,
-};
-use umbrage_shadow::{Registry, Support};
+use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_shadow::{LightKind, Registry, Support};
 
-use super::StudyError;
+use super::{Config, StudyError};
 use crate::{
     figures::{Figures, Sample, figures, flip},
     report::Pictures,
@@ -67,24 +65,51 @@ impl Lab {
         &self.adapter
     }
 
-    /// The lights of `scene` that `method` can shadow, by their places, and why it cannot shadow the first
+    /// The lights of `scene` that `config` can shadow, by their places, and why it cannot shadow the first
     /// of the others.
     pub(super) fn lights(
         &self,
         scene: &Scene,
-        method: &str,
+        config: &Config,
     ) -> Result<(Vec<usize>, Option<String>), StudyError> {
-        let method = self.registry.get(method).map_err(StudyError::Method)?;
+        let method = self
+            .registry
+            .get(&config.method)
+            .map_err(StudyError::Method)?;
         let (mut lights, mut refusal) = (Vec::new(), None);
         for (index, light) in scene.lights.iter().enumerate() {
-            match method.supports(&light.light) {
-                Support::Yes => lights.push(index),
-                Support::No(reason) => {
+            let supported = match method.supports(&light.light) {
+                Support::Yes => self.excluded(&light.light.kind, config),
+                Support::No(reason) => Some(reason),
+            };
+            match supported {
+                None => lights.push(index),
+                Some(reason) => {
                     refusal.get_or_insert(format!("light `{}`: {reason}", light.name));
                 }
             }
         }
         Ok((lights, refusal))
+    }
+
+    /// Why the shader library's rules exclude what is chosen for a method under a kind of light, where they do.
+    fn excluded(&self, kind: &LightKind, config: &Config) -> Option<String> {
+        if config.axes.is_empty() {
+            return None;
+        }
+        let kind = match kind {
+            LightKind::Directional { .. } => "directional",
+            LightKind::Spot { .. } => "spot",
+            LightKind::Point { .. } => "point",
+        };
+        let own = [
+            ("pass", "shadow_term"),
+            ("light", kind),
+            ("method", config.method.as_str()),
+        ];
+        let chosen = config.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
+        let key = self.library().key(own.into_iter().chain(chosen));
+        key.err().map(|error| error.to_string())
     }
 
     /// The scene as the rasteriser sees it, beside its truth.
@@ -121,12 +146,12 @@ impl Lab {
         self.renderer.render(subject.scene, &options)
     }
 
-    /// Texture fetches a compared sample, counted on the device: the mean.
+    /// Texture fetches a compared sample, counted on the device: the share of the samples that take so many.
     pub(super) fn fetches(
         &mut self,
         subject: &Subject<'_>,
         options: &RenderOptions,
-    ) -> Result<f64, RenderError> {
+    ) -> Result<BTreeMap<u32, f64>, RenderError> {
         let options = RenderOptions {
             what: What::Fetches,
             ..options.clone()
@@ -135,33 +160,20 @@ impl Lab {
             Picture::Fetches(counts) => counts,
             _ => Vec::new(),
         };
-        let compared = subject.compared(&counts);
-        let (sum, samples) = compared.fold((0.0, 0_u64), |(sum, samples), count| {
-            (sum + f64::from(count), samples + 1)
-        });
-        Ok(sum / samples.max(1) as f64)
-    }
-
-    /// The share of the compared samples that ask a map and are decided without filtering it.
-    pub(super) fn decided(
-        &mut self,
-        subject: &Subject<'_>,
-        options: &RenderOptions,
-    ) -> Result<f64, RenderError> {
-        let options = RenderOptions {
-            what: What::Decisions,
-            ..options.clone()
-        };
-        let decisions = match self.renderer.render(subject.scene, &options)?.picture {
-            Picture::Decisions(decisions) => decisions,
-            _ => Vec::new(),
-        };
-        let (mut decided, mut asked) = (0_u64, 0_u64);
-        for decision in subject.compared(&decisions) {
-            asked += u64::from(decision != Decision::Unasked);
-            decided += u64::from(!matches!(decision, Decision::Unasked | Decision::Filtered));
+        let mut samples = BTreeMap::<_, u64>::new();
+        for (counts, truth) in counts.iter().zip(&subject.truth.terms) {
+            for (pixel, (count, term)) in counts.iter().zip(truth).enumerate() {
+                if term.is_some() && subject.agrees(pixel) {
+                    // A whole number, as it was counted.
+                    *samples.entry(*count as u32).or_default() += 1;
+                }
+            }
         }
-        Ok(decided as f64 / asked.max(1) as f64)
+        let all: u64 = samples.values().sum();
+        let shares = samples.into_iter();
+        Ok(shares
+            .map(|(count, samples)| (count, samples as f64 / all as f64))
+            .collect())
     }
 
     /// The shaded picture, and how long its passes took.
@@ -225,17 +237,6 @@ impl Subject<'_> {
         let seen = self.truth.sight.seen().get(pixel).copied().flatten();
         let seen = seen.map(|seen| (seen.object, seen.triangle));
         self.raster.get(pixel).copied().flatten() == seen
-    }
-
-    /// What pictures by lights hold of the samples that are compared.
-    fn compared<T: Copy>(&self, pictures: &[Vec<T>]) -> impl Iterator<Item = T> {
-        let lights = pictures.iter().zip(&self.truth.terms);
-        lights.flat_map(|(picture, truth)| {
-            let pixels = picture.iter().zip(truth).enumerate();
-            let compared =
-                pixels.filter(|(pixel, (_, term))| term.is_some() && self.agrees(*pixel));
-            compared.map(|(_, (found, _))| *found)
-        })
     }
 
     /// The errors of the shadow terms in `rendered`.

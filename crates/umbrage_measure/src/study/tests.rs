@@ -4,14 +4,20 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use umbrage_compose::{Composer, Library, RonFile, Target};
 use umbrage_render::{Gpu, RenderOptions, Scene};
+use umbrage_shadow::{Frame, Light, PlanError, Setting, ShadowMethod, ShadowPlan, Support};
 
 use super::{
     Config, Lab,
     lab::{pixels, terms},
     motion::cameras,
+    stress,
     timing::baseline,
 };
-use crate::{report::Spread, truth::Truth};
+use crate::{
+    cases::{self, Limits},
+    report::Spread,
+    truth::Truth,
+};
 
 const SIZE: (u32, u32) = (160, 90);
 
@@ -102,6 +108,152 @@ fn what_is_standard_is_known_and_holds_the_baseline() {
         ("basic", plainest)
     );
     assert!(Config::standard(&["none".to_owned()], lab.registry(), lab.library()).is_err());
+}
+
+/// A method from elsewhere that goes by the name of a variant of `basic`'s, or by its own.
+struct Stranger(&'static str);
+
+impl ShadowMethod for Stranger {
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn settings(&self) -> &[Setting] {
+        &[]
+    }
+
+    fn axes(&self) -> &[&str] {
+        &[]
+    }
+
+    fn supports(&self, _: &Light) -> Support {
+        Support::No("it shadows nothing".to_owned())
+    }
+
+    fn plan(&self, _: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
+        Ok(ShadowPlan::default())
+    }
+}
+
+#[test]
+fn a_method_without_a_variant_is_tried_as_it_is() {
+    let lab = lab();
+    let mut registry = lab.registry().clone();
+    for name in ["ours", "basic 15"] {
+        registry
+            .register(Stranger(name))
+            .expect("a name of its own");
+    }
+    let limits = Limits::built_in().expect("a sound table");
+    let variants = |limits: &Limits, methods: &[&str]| {
+        let methods: Vec<_> = methods.iter().map(|name| (*name).to_owned()).collect();
+        let variants = Config::variants(limits, &methods, &registry, lab.library());
+        variants.map_err(|error| error.to_string())
+    };
+    let names = |methods: &[&str]| {
+        let variants = variants(&limits, methods).expect("sound variants");
+        let names = variants.into_iter().map(|variant| variant.name);
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(names(&["ours", "basic"]), ["ours", "basic", "basic 15"]);
+    assert_eq!(
+        variants(&limits, &["ours"]).expect("sound variants"),
+        [Config {
+            name: "ours".to_owned(),
+            method: "ours".to_owned(),
+            ..Config::default()
+        }]
+    );
+    // Else it would have the other's exceptions.
+    let refused = variants(&limits, &["basic 15"]).expect_err("a variant's name");
+    assert!(
+        refused.contains("a variant of `basic` is called as the method `basic 15`")
+            && refused.contains("limits.ron:"),
+        "{refused}"
+    );
+    assert!(variants(&limits, &["none"]).is_err());
+
+    let text = include_str!("../../limits.ron");
+    for (from, to, message) in [
+        (
+            r#""fit": "tight""#,
+            r#""fit": "tigth""#,
+            "axis `fit` has no value `tigth`",
+        ),
+        (
+            r#""fit": "tight""#,
+            r#""fitting": "tight""#,
+            "method `pssm` has no axis `fitting`",
+        ),
+        (
+            r#"axes: {"fit": "tight"}"#,
+            r#"settings: {"splits": 99}"#,
+            "splits",
+        ),
+    ] {
+        let text = text.replace(from, to);
+        let line = 1 + text
+            .lines()
+            .position(|line| line.contains(to))
+            .expect("the line");
+        let limits = Limits::read(RonFile::new("limits.ron", text)).expect("a sound table");
+        assert!(variants(&limits, &["basic"]).is_ok());
+        let refused = variants(&limits, &["pssm"]).expect_err("no such choice");
+        assert!(
+            refused.contains(message) && refused.contains(&format!("limits.ron:{line}:")),
+            "{refused}"
+        );
+    }
+}
+
+/// What makes a case is the case's; a variant that chooses otherwise is passed over, and says so.
+#[test]
+fn a_variant_is_tried_where_it_can_be_itself() {
+    let mut lab = lab();
+    let limits = Limits::built_in().expect("a sound table");
+    let variant = |name: &str, method: &str, pcf: &str| Config {
+        name: name.to_owned(),
+        method: method.to_owned(),
+        axes: BTreeMap::from([("pcf".to_owned(), pcf.to_owned())]),
+        ..Config::default()
+    };
+    let variants = [
+        variant("three", "basic", "3"),
+        variant("fifteen", "basic", "15"),
+        variant("three splits", "pssm", "3"),
+    ];
+    let mut cases = cases::all();
+    cases.retain(|case| ["steep-blocks-3", "open-mesh-mirrored"].contains(&case.name));
+    let stressed = stress(&mut lab, &variants, &cases, &limits, None, &()).expect("measured");
+    let tried: Vec<_> = (stressed.results.iter())
+        .map(|result| (result.case, result.variant.as_str(), result.method.as_str()))
+        .collect();
+    assert_eq!(
+        tried,
+        [
+            ("open-mesh-mirrored", "three", "basic"),
+            ("open-mesh-mirrored", "fifteen", "basic"),
+            ("steep-blocks-3", "three", "basic"),
+            ("steep-blocks-3", "three splits", "pssm"),
+        ]
+    );
+    // The variant's own choice is drawn.
+    let rmse = |index: usize| stressed.results[index].figures.rmse;
+    assert!(rmse(0) < rmse(1), "{} {}", rmse(0), rmse(1));
+    let skipped: Vec<_> = (stressed.skipped.iter())
+        .map(|(case, variant, _)| (*case, variant.as_str()))
+        .collect();
+    assert_eq!(
+        skipped,
+        [
+            ("open-mesh-mirrored", "three splits"),
+            ("steep-blocks-3", "fifteen")
+        ]
+    );
+    assert_eq!(
+        stressed.skipped[1].2,
+        "the case has `pcf` at 3, the variant at 15"
+    );
 }
 
 #[test]

@@ -73,10 +73,20 @@ impl Times {
             passes.map(|time| time.milliseconds).sum::<f64>()
         };
         self.casters.push(sum(&|pass| pass.planned));
-        // The base pass is no light's; what only masks need is the masks'.
-        let shades = |pass: &str| matches!(pass, "illumination" | "linear_depth" | "mask");
-        self.shading
-            .push(sum(&|pass| !pass.planned && shades(&pass.pass)));
+        // The base pass is no light's; what only masks and methods look at is theirs.
+        let shades = |pass: &PassTime| {
+            // A mask filled by regions has a pass for each: `mask 0`.
+            let kind = pass.pass.split(' ').next().unwrap_or_default();
+            let own = [
+                "depth_range",
+                "illumination",
+                "linear_depth",
+                "mask",
+                "region",
+            ];
+            !pass.planned && own.contains(&kind)
+        };
+        self.shading.push(sum(&shades));
     }
 
     /// These times beside those of the baseline.

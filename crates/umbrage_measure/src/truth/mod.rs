@@ -204,6 +204,20 @@ impl Tracer {
         })
     }
 
+    /// Whether the light (by its place in [`Scene::lights`]) arrives at a point in the air: metres, world axes, relative to
+    /// the camera. False where it does not reach.
+    ///
+    /// # Errors
+    /// A light that is not there.
+    pub fn arrives(&self, point: DVec3, light: usize) -> Result<bool, TruthError> {
+        // No triangle's number: the point lies on none.
+        const NONE: u32 = u32::MAX;
+        let lamp = self.lamp(light)?;
+        let (direction, limit) = lamp.middle(point);
+        let ray = Ray::new(point, 0.0, direction);
+        Ok(lamp.reaches(point) && !self.triangles.is_blocked(&ray, limit, NONE))
+    }
+
     fn lamp(&self, light: usize) -> Result<Lamp, TruthError> {
         let count = self.lights.len();
         let known = self.lights.get(light);

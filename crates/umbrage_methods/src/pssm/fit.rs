@@ -7,7 +7,7 @@ use umbrage_shadow::{
 
 use super::Lookup;
 use crate::{
-    job::{self, Boxes, NEAREST, PADDING},
+    job::{self, Bias, Boxes, NEAREST, PADDING},
     maps::Reading,
 };
 
@@ -21,11 +21,13 @@ pub(super) struct Job {
     /// Texels along a tile's side.
     pub tile: u32,
     depth_bias: f64,
-    pub band: f64,
+    band: f64,
     pub reading: Reading,
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
+    /// Between which view depths pixels see something, where that is to bound the splits.
+    seen: Option<[f64; 2]>,
 }
 
 /// How one split passes into the next.
@@ -44,6 +46,14 @@ pub(super) struct Splits {
     pub splits: Vec<Split>,
 }
 
+impl Splits {
+    /// Whether a split passes into another: the last one, and one before a gap, passes into nothing.
+    pub(super) fn has_next(&self, split: &Split) -> bool {
+        let mut all = self.splits.iter();
+        all.any(|next| next.depths[0] == split.depths[1])
+    }
+}
+
 /// One split's map.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Split {
@@ -53,7 +63,8 @@ pub(super) struct Split {
     pub scale: DVec3,
     pub offset: DVec3,
     /// A receiver's depth is raised by x + y · depth.
-    pub bias: DVec2,
+    pub raise: DVec2,
+    pub bias: Bias,
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
     pub casters: Vec<usize>,
@@ -70,7 +81,8 @@ impl Job {
             ("blend", Transition::Blend),
             ("dither", Transition::Dither),
         ];
-        let reading = Reading::of(frame)?;
+        let mut reading = Reading::of(frame)?;
+        reading.taper = job::choice(frame, "taper", &[("off", false), ("on", true)])?;
         Ok(Self {
             boxes: Boxes::new(frame),
             view: frame.view.clone(),
@@ -84,7 +96,13 @@ impl Job {
             reading,
             transition: job::choice(frame, "transition", &transitions)?,
             stable: job::choice(frame, "fit", &fits)?,
+            seen: seen(frame)?,
         })
+    }
+
+    /// How much of a split before its end passes into the next one, metres.
+    pub(super) fn band_length(&self, split: &Split) -> f64 {
+        self.band * (split.depths[1] - split.depths[0])
     }
 
     /// The way that the camera looks.
@@ -99,13 +117,12 @@ impl Job {
             let mut seen = slice.seen;
             let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, least)
+                self.around_sphere(&lens, slice.held, least, slice.inner)
             } else {
-                self.around(&seen.rect, least)
+                self.around(&seen.rect, least, slice.inner)
             };
             let casters = job::directional_casters(&lens, &mut seen, &self.boxes.casters);
-            let shift = job::directional_shift(&seen, self.depth_bias, self.texel(&seen.rect));
-            let bias = DVec2::new(shift / (seen.far - seen.near), 0.0);
+            let bias = Bias::directional(&seen, self.depth_bias, self.texel(&seen.rect));
             self.split(&lens, slice.depths, &seen, casters, bias)
         };
         Ok(Splits {
@@ -129,16 +146,14 @@ impl Job {
             let mut seen = slice.seen;
             let least = seen.precision / seen.far;
             seen.rect = if self.stable {
-                self.on_grid(&seen.rect, least)
+                self.on_grid(&seen.rect, least, slice.inner)
             } else {
-                self.around(&seen.rect, least)
+                self.around(&seen.rect, least, slice.inner)
             };
             let nearest = seen.near;
             let casters = job::spot_casters(&lens, &mut seen, floor, &self.boxes.casters);
             let texel = self.texel(&seen.rect);
-            let raise = job::perspective_raise(&seen, self.depth_bias, texel, nearest);
-            // One over the distance is (depth − A) / B.
-            let bias = DVec2::new(-raise * lens.depth_terms(seen.near, seen.far).x, raise);
+            let bias = Bias::perspective(&lens, &seen, self.depth_bias, texel, nearest);
             self.split(&lens, slice.depths, &seen, casters, bias)
         };
         Ok(Splits {
@@ -159,7 +174,9 @@ impl Job {
         };
         let depths = split_depths(near, far, self.splits, self.lambda)?;
         let seen_in = |[near, far]: [f64; 2]| {
-            let part = self.part(near * (1.0 - PADDING), far * (1.0 + PADDING));
+            let part = self
+                .view
+                .part_relative(near * (1.0 - PADDING), far * (1.0 + PADDING));
             let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
             Extent::of(lens, position, &self.boxes.receivers, &volumes)
         };
@@ -176,7 +193,14 @@ impl Job {
             if seen_in(depths).is_some()
                 && let Some(seen) = seen_in(held)
             {
-                slices.push(Slice { depths, held, seen });
+                let width = self.reading.width_of(slices.len());
+                let inner = f64::from(self.tile) - 2.0 * job::margin(width);
+                slices.push(Slice {
+                    depths,
+                    held,
+                    seen,
+                    inner,
+                });
             }
         }
         Ok(slices)
@@ -198,6 +222,12 @@ impl Job {
             far: most,
             ..
         } = self.view.projection;
+        let [near, far] = self
+            .seen
+            .map_or([near, far], |seen| [near.max(seen[0]), far.min(seen[1])]);
+        if near > far {
+            return None;
+        }
         let (near, far) = if self.stable {
             (near.log2().floor().exp2(), far.log2().ceil().exp2())
         } else {
@@ -211,49 +241,32 @@ impl Job {
         (near < far * (1.0 - PADDING)).then_some([near, far])
     }
 
-    /// The part of what the camera sees between two view depths.
-    fn part(&self, near: f64, far: f64) -> Frustum {
-        let projection = Projection {
-            near,
-            far,
-            ..self.view.projection
-        };
-        Frustum::from_matrix(projection.matrix() * self.view.view_relative())
-    }
-
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
-    fn around(&self, rect: &Rect, least: f64) -> Rect {
+    fn around(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
         let tile = f64::from(self.tile);
         let size = rect.size().max(DVec2::splat(least * tile));
-        rect.resized(size * tile / (tile - 2.0 * job::margin(self.reading.width)))
+        rect.resized(size * tile / inner)
     }
 
     /// The square on the world's grid of texels around all that the camera may see between two view depths,
     /// wherever it looks.
-    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64) -> Rect {
+    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64, inner: f64) -> Rect {
         let projection = self.view.projection;
         let up = (0.5 * projection.fov_y).tan();
         let (middle, radius) = sphere(near, far, up * up * (1.0 + projection.aspect.powi(2)));
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.boxes.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let texel = self.stable_texel(2.0 * radius, least);
+        let texel = stable_texel(2.0 * radius, least, inner);
         self.snapped(anchor, center, texel)
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.
-    fn on_grid(&self, rect: &Rect, least: f64) -> Rect {
+    fn on_grid(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
         let size = rect.size().max_element().max(f64::MIN_POSITIVE);
         let rounded = (0.5 * (2.0 * size.log2()).ceil()).exp2();
-        let texel = self.stable_texel(rounded, least);
+        let texel = stable_texel(rounded, least, inner);
         self.snapped(DVec2::ZERO, 0.5 * (rect.min + rect.max), texel)
-    }
-
-    /// The texel of a map that holds `size`, its filter's margin, and a texel to snap to; no finer than
-    /// `least` rounded up to a power of two.
-    fn stable_texel(&self, size: f64, least: f64) -> f64 {
-        let inner = f64::from(self.tile) - 2.0 * job::margin(self.reading.width) - 1.0;
-        (size / inner).max(least.log2().ceil().exp2())
     }
 
     /// The map about `center` whose corner is a whole number of texels from the grid's origin, which is at
@@ -279,7 +292,7 @@ impl Job {
         depths: [f64; 2],
         seen: &Extent,
         casters: Vec<usize>,
-        bias: DVec2,
+        bias: Bias,
     ) -> Split {
         let Rect { min, max } = seen.rect;
         let across = f64::from(self.tile) / seen.rect.size();
@@ -290,11 +303,28 @@ impl Job {
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
+            raise: self.reading.raise(&bias),
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,
         }
     }
+}
+
+/// Between which view depths pixels see something, where the axis `range` asks for it.
+fn seen(frame: &Frame<'_>) -> Result<Option<[f64; 2]>, PlanError> {
+    let ranges = [("boxes", false), ("depths", true)];
+    if !job::choice(frame, "range", &ranges)? {
+        return Ok(None);
+    }
+    let problem = "the frame's depths seen";
+    PlanError::check(
+        frame.seen.is_some(),
+        problem,
+        "missing",
+        "there, as the axis `range` is `depths`",
+    )?;
+    Ok(frame.seen)
 }
 
 /// A split that receivers touch.
@@ -304,6 +334,14 @@ struct Slice {
     /// What its map holds: its beginning is in the band of the split before.
     held: [f64; 2],
     seen: Extent,
+    /// Texels along its map's side without the filter's margins.
+    inner: f64,
+}
+
+/// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to
+/// a power of two.
+fn stable_texel(size: f64, least: f64, inner: f64) -> f64 {
+    (size / (inner - 1.0)).max(least.log2().ceil().exp2())
 }
 
 /// How far along the camera's axis the middle of the smallest ball lies that holds the part of its frustum from `near`

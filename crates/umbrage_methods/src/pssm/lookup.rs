@@ -7,7 +7,10 @@ use umbrage_shadow::{
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
-use super::fit::{Job, Split, Splits, Transition};
+use super::{
+    fit::{Job, Split, Splits, Transition},
+    regions,
+};
 use crate::{
     job,
     maps::{self, DEPTH, MAP, Map, Reading, Sheet, casters, texture},
@@ -87,6 +90,17 @@ impl Lookup {
             Self::MatrixTexture | Self::Packed | Self::Storage => MAX_SPLITS,
         }
     }
+
+    /// Fetches of one lookup in the map of a split.
+    fn fetches(self, reading: Reading, split: usize) -> u32 {
+        let filter = |split| reading.fetches(split);
+        match self {
+            Self::Branches | Self::Masks | Self::Packed | Self::Storage => filter(split),
+            Self::MatrixTexture => MATRIX_ROWS + filter(split),
+            Self::Weights => (0..FEW).map(filter).sum(),
+            Self::Channels => (reading.width_of(split) + 1).pow(2),
+        }
+    }
 }
 
 /// Rows of a matrix texture: a matrix, and what else a comparison needs.
@@ -97,6 +111,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
     let mut plan = ShadowPlan {
         filter_radius: 0.5 * f64::from(job.reading.width) + 0.5,
         shadow_distance: job.shadow_distance,
+        regions: regions::of(job, splits),
         ..ShadowPlan::default()
     };
     let mut sheet = Tiles {
@@ -119,11 +134,14 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
         }
         _ => {}
     }
-    plan.fetches_per_pixel *= match job.transition {
+    // Where two splits are blended, the first two have the widest filters.
+    let read = match job.transition {
         Transition::Blend => 2,
         Transition::Hard | Transition::Dither => 1,
     };
-    plan.constants = constants(job, splits, &sheet);
+    let fetches = (0..read).map(|split| job.lookup.fetches(job.reading, split));
+    plan.fetches_per_pixel = fetches.sum();
+    plan.constants = constants(plan.constants, job, splits, &sheet);
     Ok(plan)
 }
 
@@ -160,12 +178,6 @@ fn tiles(plan: &mut ShadowPlan, job: &Job, splits: &Splits) -> Result<Tiles, Pla
 /// A map for each split; the least that the shader can bind in the place of those that are not there.
 fn maps(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
     plan.samplers.push(maps::comparison());
-    let all = if job.lookup == Lookup::Weights {
-        FEW as u32
-    } else {
-        1
-    };
-    plan.fetches_per_pixel = all * job.reading.width.div_ceil(2).pow(2);
     for (i, name) in MAPS.into_iter().enumerate() {
         let split = splits.splits.get(i);
         let size = if split.is_some() { job.tile } else { 1 };
@@ -186,7 +198,6 @@ fn channels(plan: &mut ShadowPlan, job: &Job, splits: &Splits) {
         ColorWrites::ALPHA,
     ];
     const NEAREST: &str = "shadow_depth";
-    plan.fetches_per_pixel = (job.reading.width + 1).pow(2);
     let side = if splits.splits.is_empty() {
         1
     } else {
@@ -214,11 +225,12 @@ fn map(split: &Split, tile: Viewport) -> Map {
         view_proj: split.view_proj,
         casters: split.casters.clone(),
         receivers: Some(split.depths),
+        bias: split.bias,
     }
 }
 
-/// The members of `PssmShadow`, for any lookup and transition.
-fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
+/// `before` and the members of `PssmShadow`, for any lookup and transition.
+fn constants(before: Constants, job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
     let columns = sheet.columns as f32;
     let texel = Vec2::from_array(sheet.size.map(|texels| 1.0 / texels as f32));
     let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
@@ -226,15 +238,10 @@ fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
         let four = |i: usize| Vec4::from_array([0, 1, 2, 3].map(|j| value(4 * i + j)));
         Value::Array(vec![Value::Vec4(four(0)), Value::Vec4(four(1))])
     };
-    let length = |split: &Split| job.band * (split.depths[1] - split.depths[0]);
-    // The last split, and one before a gap, passes into nothing.
-    let has_next = |split: &Split| {
-        let mut all = splits.splits.iter();
-        all.any(|next| next.depths[0] == split.depths[1])
-    };
+    let band = |split: &Split| split.depths[1] - job.band_length(split);
     let rate = |split: &Split| {
-        if has_next(split) {
-            1.0 / length(split)
+        if splits.has_next(split) {
+            1.0 / job.band_length(split)
         } else {
             0.0
         }
@@ -243,15 +250,12 @@ fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
         .splits
         .last()
         .map_or(f32::MIN, |last| last.depths[1] as f32);
-    Constants::new()
+    before
         .with("base", Value::Mat4(splits.base.as_mat4()))
         .with("forward", Value::Vec3(job.forward().as_vec3()))
         .with("reach", Value::F32(reach))
         .with("ends", splits_of(&|split| split.depths[1], f32::MAX))
-        .with(
-            "bands",
-            splits_of(&|split| split.depths[1] - length(split), 0.0),
-        )
+        .with("bands", splits_of(&band, 0.0))
         .with("band_rates", splits_of(&rate, 0.0))
         .with("tile", Value::F32(job.tile as f32))
         .with("columns", Value::F32(columns))
@@ -276,9 +280,9 @@ fn crops(splits: &Splits) -> Value {
 
 /// The two members of a `Crop`.
 fn crop(split: &Split) -> [Vec4; 2] {
-    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
     let place = DVec4::new(scale.x, scale.y, offset.x, offset.y);
-    let depth = DVec4::new(scale.z, offset.z, bias.x, bias.y);
+    let depth = DVec4::new(scale.z, offset.z, raise.x, raise.y);
     [place.as_vec4(), depth.as_vec4()]
 }
 
@@ -293,9 +297,9 @@ fn crop_columns(splits: &Splits, member: usize) -> Value {
 
 /// The rows from the world to a split's map, before the division, and what else a `SplitMap` holds.
 fn rows(base: &DMat4, split: &Split) -> [DVec4; MATRIX_ROWS as usize] {
-    let (scale, offset, bias) = (split.scale, split.offset, split.bias);
+    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
     let row = |i: usize| base.row(i) * scale[i] + base.row(3) * offset[i];
-    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, bias.x, bias.y);
+    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, raise.x, raise.y);
     [row(0), row(1), row(2), base.row(3), rest]
 }
 
@@ -333,5 +337,4 @@ fn matrix_texture(plan: &mut ShadowPlan, splits: &Splits) {
     });
     plan.textures
         .push(texture(NAME, TextureFormat::Rgba32Float, size));
-    plan.fetches_per_pixel += MATRIX_ROWS;
 }

@@ -21,6 +21,12 @@
 //! - `tight`: the rectangle of the receivers seen in the split, and the range as it is. Texels are finer, and
 //!   follow the view from frame to frame.
 //!
+//! What is split is what receivers' boxes say may be seen. They say too much where something near hides a long street:
+//! with the axis `range` at `depths`, the range ends where pixels see something, which is reduced on the GPU and read
+//! back before the plan (after Lauritzen, Salvi and Lefohn 2011, "Sample distribution shadow maps", of which this is
+//! the range alone). It costs a pass over the objects and a wait within the frame; and splits move with what is seen, by
+//! powers of two where the fit is `stable`.
+//!
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
 //! split's own map, towards the light), `band` (of a split's length). What the shader does: `pcf` and
@@ -36,10 +42,15 @@
 //! - `weights`: the same; all four are filtered, and one is weighted.
 //! - `channels`: four splits in the channels of one `rgba32float` texture; texels are loaded and compared by hand.
 //!
+//! With `taper`, the filter is two texels narrower from split to split, one texel at the least: texels grow from split
+//! to split, and a filter of one width in texels would blur ever more of the world. The plan's
+//! [regions](ShadowPlan::regions) tell where a permutation without bands, of one width, does the same.
+//!
 //! # Cost
 //! A pass for each split, and ((W + 1) / 2)² fetches a pixel for width W; twice as many where `transition` is
 //! `blend` and the pixel is in a band. `weights` makes four times as many, `matrix_texture` five more, and
-//! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four.
+//! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four. With `taper` W is that of the pixel's own
+//! split, which is a loop of so many turns where one shader is for all splits.
 //!
 //! What a compiler makes of the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
 //! permutations/demo.ron`), and how many four-component uniforms it reads (the reflection in `umbrage prebuild
@@ -62,6 +73,9 @@
 
 mod fit;
 mod lookup;
+mod regions;
+
+use std::collections::BTreeMap;
 
 use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
@@ -143,7 +157,9 @@ impl ShadowMethod for Pssm {
             "fit",
             "lookup",
             "pcf",
+            "range",
             "receiver_bias",
+            "taper",
             "transition",
         ]
     }
@@ -153,6 +169,10 @@ impl ShadowMethod for Pssm {
             LightKind::Point { .. } => Support::No(NO_CUBES.to_owned()),
             _ => Support::Yes,
         }
+    }
+
+    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
+        axes.get("range").is_some_and(|range| range == "depths")
     }
 
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {

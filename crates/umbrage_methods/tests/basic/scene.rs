@@ -28,6 +28,7 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         },
         settings: &settings,
         axes: &axes,
+        seen: None,
     })
 }
 

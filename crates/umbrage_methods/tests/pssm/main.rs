@@ -34,7 +34,7 @@ proptest! {
     fn a_map_holds_the_receivers_of_its_split(
         at in prop::collection::vec(vector(1.0), 32), yaw in -3.0..3.0, pitch in -1.2..0.3,
         place in vector(30.0), spot in any::<bool>(), fit in 0usize..2, transition in 0usize..3, splits in 1..=8u32,
-        half in 0u32..8,
+        half in 0u32..8, taper in any::<bool>(),
     ) {
         let kind = if spot { lamp() } else { sun() };
         let mut scene = Scene::new(kind.clone());
@@ -45,9 +45,9 @@ proptest! {
         scene.choose("fit", ["stable", "tight"][fit]);
         scene.choose("transition", ["hard", "blend", "dither"][transition]);
         scene.choose("pcf", &(2 * half + 1).to_string());
+        scene.choose("taper", if taper { "on" } else { "off" });
         scene.set("splits", f64::from(splits));
         let plan = scene.plan()?;
-        let margin = f64::from(half) + 1.0;
         let passes = passes(&plan);
         prop_assert!(passes.len() <= splits as usize);
         for t in at {
@@ -59,8 +59,11 @@ proptest! {
                 continue;
             }
             let depth = relative.dot(scene.view.forward());
-            let pass = passes.iter().find(|pass| depth < pass.receivers.unwrap_or_default()[1]);
-            let Some(pass) = pass else { panic!("{depth} is in no split of {passes:?}") };
+            let split = passes.iter().position(|pass| depth < pass.receivers.unwrap_or_default()[1]);
+            let Some(split) = split else { panic!("{depth} is in no split of {passes:?}") };
+            let pass = &passes[split];
+            let half = if taper { half.saturating_sub(split as u32) } else { half };
+            let margin = f64::from(half) + 1.0;
             let clip = pass.view_proj.as_dmat4().project_point3(relative);
             let size = f64::from(pass.viewport.width);
             let texel = DVec2::new(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y) * size;
@@ -214,6 +217,137 @@ fn shadows_end_at_their_distance() {
     let plan = scene.plan().expect("a plan");
     assert!(plan.passes.is_empty());
     assert_eq!(plan.constants.get("reach"), Some(&Value::F32(f32::MIN)));
+}
+
+/// The axes of the plan's regions, and where they end.
+fn regions(plan: &ShadowPlan) -> Vec<(f64, Vec<(&str, &str)>)> {
+    let regions = plan.regions.iter().map(|region| {
+        let axes = region.axes.iter();
+        let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));
+        (region.end, axes.collect())
+    });
+    regions.collect()
+}
+
+#[test]
+fn regions_are_splits_and_their_bands() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    scene.choose("pcf", "5");
+    let plan = scene.plan().expect("a plan");
+    let ends: Vec<_> = passes(&plan)
+        .iter()
+        .map(|p| p.receivers.unwrap_or_default()[1])
+        .collect();
+    assert_eq!(ends.len(), 4);
+    let even: Vec<_> = ends.iter().map(|end| (*end, vec![])).collect();
+    assert_eq!(regions(&plan), even);
+    assert_eq!(plan.fetches_per_pixel, 9);
+    // Each split's own width.
+    scene.choose("taper", "on");
+    let widths = ["5", "3", "1", "1"].map(|width| vec![("pcf", width), ("taper", "off")]);
+    let narrowed: Vec<_> = ends.iter().copied().zip(widths.clone()).collect();
+    let plan = scene.plan().expect("a plan");
+    assert_eq!(regions(&plan), narrowed);
+    assert_eq!((plan.fetches_per_pixel, plan.filter_radius), (9, 3.0));
+    // A band has the light's own permutation, which reads two maps; the last split has none.
+    scene.choose("transition", "blend");
+    let plan = scene.plan().expect("a plan");
+    assert_eq!(plan.fetches_per_pixel, 9 + 4);
+    let found = regions(&plan);
+    assert_eq!(found.len(), 7);
+    let bands: Vec<_> = found.iter().filter(|(_, axes)| axes.is_empty()).collect();
+    assert_eq!(
+        bands.iter().map(|(end, _)| *end).collect::<Vec<_>>(),
+        ends[..3]
+    );
+    for (i, (_, axes)) in found.iter().step_by(2).enumerate() {
+        let mut expected = widths[i].clone();
+        expected.push(("transition", "hard"));
+        assert_eq!(*axes, expected);
+    }
+    let start = passes(&plan)[1].receivers.unwrap_or_default()[0];
+    let band = ends[1] - 0.1 * (ends[1] - start);
+    assert!((found[2].0 - band).abs() < 1e-9);
+    // A band as long as its split leaves nothing beside it.
+    scene.set("band", 1.0);
+    let plan = scene.plan().expect("a plan");
+    assert!(regions(&plan).len() < 7);
+    assert!(plan.regions.is_sorted_by(|a, b| a.end < b.end));
+    // All that is not read as `pcf` fetches: the lookups that do so in ways of their own.
+    for (lookup, fetches) in [
+        ("weights", 9 + 4 + 1 + 1),
+        ("channels", 36),
+        ("matrix_texture", 5 + 9),
+    ] {
+        scene.choose("transition", "hard");
+        scene.choose("lookup", lookup);
+        let plan = scene.plan().expect("a plan");
+        assert_eq!(plan.fetches_per_pixel, fetches, "{lookup}");
+    }
+    // Nothing seen, nothing to shade.
+    scene.receivers.clear();
+    assert!(scene.plan().expect("a plan").regions.is_empty());
+}
+
+#[test]
+fn splits_lie_where_pixels_see_something() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    let range = |scene: &Scene| {
+        let plan = scene.plan().expect("a plan");
+        let depths: Vec<_> = passes(&plan)
+            .iter()
+            .map(|pass| pass.receivers.unwrap_or_default())
+            .collect();
+        (
+            depths.len(),
+            depths.first().map_or(0.0, |d| d[0]),
+            depths.last().map_or(0.0, |d| d[1]),
+        )
+    };
+    // What is not asked for is not heeded.
+    let boxes = range(&scene);
+    scene.seen = Some([5.0, 20.0]);
+    assert_eq!(range(&scene), boxes);
+    assert!(boxes.1 < 4.0 && boxes.2 > 90.0);
+    scene.choose("range", "depths");
+    scene.choose("fit", "tight");
+    let (count, near, far) = range(&scene);
+    assert_eq!(count, 4);
+    // Nothing that is seen is left out, and little is added.
+    assert!(
+        near < 5.0 && near > 4.99 && far > 20.0 && far < 20.01,
+        "{near} to {far}"
+    );
+    // From power of two to power of two, so that they seldom change.
+    scene.choose("fit", "stable");
+    let (_, near, far) = range(&scene);
+    assert!(
+        near < 4.0 && near > 3.99 && far > 32.0 && far < 32.01,
+        "{near} to {far}"
+    );
+    // All at one depth: a wall.
+    scene.seen = Some([8.5, 8.5]);
+    let (count, near, far) = range(&scene);
+    assert!(count > 0 && near < 8.5 && far > 8.5);
+    scene.choose("fit", "tight");
+    let (count, near, far) = range(&scene);
+    assert!(
+        count > 0 && near < 8.5 && far > 8.5,
+        "{count}: {near} to {far}"
+    );
+    // No pixel sees anything.
+    scene.seen = Some([f64::MAX, 0.0]);
+    assert_eq!(range(&scene).0, 0);
+    scene.seen = None;
+    let error = scene.plan().expect_err("refused").to_string();
+    assert!(
+        error.contains("the frame's depths seen is missing"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub(crate) struct Scene {
     pub(crate) light: Light,
     pub(crate) casters: Vec<Aabb>,
     pub(crate) receivers: Vec<Aabb>,
+    pub(crate) seen: Option<[f64; 2]>,
     axes: BTreeMap<String, String>,
     settings: BTreeMap<String, f64>,
 }
@@ -24,7 +25,9 @@ impl Scene {
             ("filter", "pcf"),
             ("fit", "stable"),
             ("lookup", "packed"),
+            ("taper", "off"),
             ("pcf", "3"),
+            ("range", "boxes"),
             ("receiver_bias", "plane"),
             ("transition", "hard"),
         ];
@@ -43,6 +46,7 @@ impl Scene {
                 kind,
                 color: Vec3::ONE,
             },
+            seen: None,
             casters: Vec::new(),
             receivers: Vec::new(),
             axes: axes.map(|(a, v)| (a.to_owned(), v.to_owned())).into(),
@@ -70,6 +74,7 @@ impl Scene {
             },
             settings: &settings,
             axes: &self.axes,
+            seen: self.seen,
         })
     }
 }

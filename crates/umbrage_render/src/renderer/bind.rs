@@ -6,10 +6,12 @@ use umbrage_compose::{Binding, BindingKind, Key};
 use umbrage_shadow::{Constants, Value};
 
 use super::{
-    Renderer, assets,
+    Renderer,
+    air::SEEN_DEPTH,
+    assets,
     draw::{FrameState, PassInputs},
-    masks::SEEN_PLANES,
     pipelines::Program,
+    seen::{SEEN_DEPTHS, SEEN_PLANES},
 };
 use crate::{
     RenderError, pack, pack_buffer,
@@ -17,19 +19,18 @@ use crate::{
 };
 
 impl Renderer {
-    /// What a program reads, group by group.
+    /// What a program reads that draws no object, group by group.
     pub(super) fn bind_all(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         program: &Program,
-        object: &Object,
     ) -> Result<Vec<Option<wgpu::BindGroup>>, RenderError> {
         let groups = program.groups.iter().enumerate();
         groups
             .map(|(group, layout)| match layout {
                 Some(layout) => self
-                    .bind(frame, inputs, program, (group, layout), object)
+                    .bind(frame, inputs, program, (group, layout), None)
                     .map(Some),
                 None => Ok(None),
             })
@@ -42,7 +43,7 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         program: &Program,
         (group, layout): (usize, &wgpu::BindGroupLayout),
-        object: &Object,
+        object: Option<&Object>,
     ) -> Result<wgpu::BindGroup, RenderError> {
         let mut resources = Vec::new();
         for binding in program.bindings(group) {
@@ -146,6 +147,18 @@ impl Renderer {
                 let planes = planes.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(planes))
             }
+            (SEEN_DEPTH, BindingKind::Texture { .. }) => {
+                let nothing = "what passes before the air's give";
+                let depth = frame.seen_depth.clone();
+                let depth = depth.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(depth))
+            }
+            (SEEN_DEPTHS, BindingKind::StorageTexture { .. }) => {
+                let nothing = "what passes that look for no depths give";
+                let depths = frame.depths.clone();
+                let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
+                Ok(Resource::Texture(depths))
+            }
             ("instances", BindingKind::Storage { layout, .. }) => {
                 if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
                     return Ok(Resource::Buffer(known.clone()));
@@ -162,7 +175,8 @@ impl Renderer {
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame`, `rays`, `instances` and, to a mask, `seen_planes`",
+                "what the frame gives, `frame`, `rays`, `instances`, to a mask `seen_planes`, and to air \
+                 `seen_depth`",
             )),
         }
     }
@@ -215,10 +229,12 @@ impl Renderer {
 
     fn material_resource(
         &mut self,
-        object: &Object,
+        object: Option<&Object>,
         key: &Key,
         binding: &Binding,
     ) -> Result<Resource, RenderError> {
+        let nothing = "what a pass that draws no object gives";
+        let object = object.ok_or_else(|| unknown(key, binding, nothing))?;
         let material = &object.material;
         let texture = material.base_color_texture.as_ref();
         match binding.name.as_str() {

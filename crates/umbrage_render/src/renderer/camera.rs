@@ -3,17 +3,39 @@
 use std::{collections::BTreeSet, time::Instant};
 
 use glam::Vec3;
+use umbrage_shadow::Constants;
 
 use super::{
     Renderer, Shot,
+    air::{self, LitAir},
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, record},
+    draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
     pipelines::{ADD, ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
+    seen::PLANE,
     target::{DEPTH, Target},
 };
 use crate::{Decision, Picture, RenderError};
+
+/// A light as it is in a picture, with its shadow maps.
+pub(super) struct Lamp<'a> {
+    setup: &'a LightSetup<'a>,
+    constants: Constants,
+    shadow: Option<ShadowResources>,
+}
+
+impl Lamp<'_> {
+    /// What a shader reads of it that finds the shadow term for itself.
+    pub(super) fn reads(&self) -> LightInputs<'_> {
+        LightInputs {
+            setup: self.setup,
+            constants: &self.constants,
+            shadow: self.shadow.as_ref(),
+            term: Term::Method,
+        }
+    }
+}
 
 impl Renderer {
     pub(super) fn shaded(
@@ -36,28 +58,25 @@ impl Renderer {
         };
         let commands = self.prepare(frame, &base, &shot.visible)?;
         self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
-        let mut masks = None;
+        let (mut masks, mut airy) = (None, Vec::new());
         for light in &shot.lights {
-            let lit = lit(frame, shot, light);
-            if lit.is_empty() {
+            let (lit, air) = (lit(frame, shot, light), air::lit(shot, light));
+            if lit.is_empty() && air.is_none() {
                 continue;
             }
-            let shadow = self.shadow(frame, shot, light, &lit)?;
-            let constants = lights::constants(&light.source.light, shot.view.position);
-            let reads = LightInputs {
-                setup: light,
-                constants: &constants,
-                shadow: shadow.as_ref(),
-                masked: false,
-            };
             let to = (&target, false);
-            let mask = self.mask(frame, shot, to, &mut masks, (reads, &lit))?;
-            let reads = masked(reads, mask.as_ref());
-            let state = camera_state(format, true, reads.shadow);
-            let inputs = inputs(shot, "illumination", Some(reads), state);
-            let commands = self.prepare(frame, &inputs, &lit)?;
-            self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
+            let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
+            if !lit.is_empty() {
+                let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
+                let reads = masked(lamp.reads(), mask.as_ref());
+                let state = camera_state(format, true, reads.shadow);
+                let inputs = inputs(shot, "illumination", Some(reads), state);
+                let commands = self.prepare(frame, &inputs, &lit)?;
+                self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
+            }
+            airy.extend(air.map(|_| lamp));
         }
+        self.add_air(frame, shot, &target, &airy)?;
         let bytes = self.finish(frame, &target)?;
         let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f32();
         let pixel = |b: &[u8]| [half(&b[0..2]), half(&b[2..4]), half(&b[4..6])];
@@ -108,18 +127,9 @@ impl Renderer {
         let mut masks = None;
         for light in &shot.lights {
             let lit = lit(frame, shot, light);
-            let shadow = if lit.is_empty() {
-                None
-            } else {
-                self.shadow(frame, shot, light, &lit)?
-            };
-            let constants = lights::constants(&light.source.light, shot.view.position);
-            let reads = LightInputs {
-                setup: light,
-                constants: &constants,
-                shadow: shadow.as_ref(),
-                masked: false,
-            };
+            let (to, air) = ((&target, true), air::lit(shot, light));
+            let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
+            let reads = lamp.reads();
             // What is counted is what a method fetches, and no mask is one.
             let mask = if pass == "shadow_term" {
                 self.mask(frame, shot, (&target, true), &mut masks, (reads, &lit))?
@@ -142,11 +152,72 @@ impl Renderer {
             commands.extend(self.prepare(frame, &inputs(shot, pass, None, state), &unlit)?);
             let name = Some(light.source.name.as_str());
             self.draw(frame, &target, (pass, name), Some(clear), &commands);
-            let bytes = self.finish(frame, &target)?;
-            let pixels = bytes.as_chunks::<4>().0.iter().copied();
-            pictures.push(pixels.map(f32::from_le_bytes).collect());
+            pictures.push(self.finish_floats(frame, &target)?);
         }
         Ok(pictures)
+    }
+
+    /// For each light the texture fetches that its shafts take.
+    pub(super) fn shaft_fetches(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+    ) -> Result<Picture, RenderError> {
+        let format = wgpu::TextureFormat::R32Float;
+        let target = self.target(frame, format)?;
+        // What is seen, in no light: its depth is all that is read.
+        let state = camera_state(format, false, None);
+        let seen = inputs(shot, "shadow_term", None, state);
+        let commands = self.prepare(frame, &seen, &shot.visible)?;
+        self.draw(
+            frame,
+            &target,
+            (seen.pass, None),
+            Some(wgpu::Color::WHITE),
+            &commands,
+        );
+        let mut pictures = Vec::new();
+        for light in &shot.lights {
+            let Some(air) = air::lit(shot, light) else {
+                let pixels = frame.options.width as usize * frame.options.height as usize;
+                pictures.push(vec![0.0; pixels]);
+                continue;
+            };
+            let lit = lit(frame, shot, light);
+            let lamp = self.light_up(frame, shot, (&target, false), light, (&lit, Some(air)))?;
+            self.count_shafts(frame, shot, &target, &lamp)?;
+            pictures.push(self.finish_floats(frame, &target)?);
+        }
+        Ok(Picture::Fetches(pictures))
+    }
+
+    pub(super) fn splits(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+    ) -> Result<Picture, RenderError> {
+        let shaded = self.shaded(frame, shot)?;
+        let target = self.target(frame, PLANE)?;
+        let state = camera_state(PLANE, false, None);
+        let inputs = inputs(shot, "linear_depth", None, state);
+        let commands = self.prepare(frame, &inputs, &shot.visible)?;
+        let nothing = Some(wgpu::Color::TRANSPARENT);
+        self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
+        let bytes = self.finish(frame, &target)?;
+        let pixels = bytes.as_chunks::<16>().0.iter();
+        let depths: Vec<_> = pixels
+            .map(|&[.., a, b, c, d]| f32::from_le_bytes([a, b, c, d]))
+            .collect();
+        let lights = (0..shot.lights.len()).map(|light| {
+            let plan = frame.report.plans.get(light).and_then(Option::as_ref);
+            let split = |depth: &f32| plan.and_then(|plan| plan.split_at(*depth));
+            depths.iter().map(split).collect()
+        });
+        let splits = lights.collect();
+        let Picture::Shaded(colors) = shaded else {
+            return Ok(shaded);
+        };
+        Ok(Picture::Splits { colors, splits })
     }
 
     pub(super) fn triangles(
@@ -187,18 +258,34 @@ impl Renderer {
         Target::new(&self.gpu, frame.options.width, frame.options.height, format)
     }
 
-    /// Draws a light's shadow maps, where it has a method.
-    fn shadow(
+    /// What shaders read of a light: draws its shadow maps, where it has a method, for the objects at `lit` and the air.
+    pub(super) fn light_up<'a>(
         &mut self,
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
-        light: &LightSetup<'_>,
-        lit: &[usize],
-    ) -> Result<Option<ShadowResources>, RenderError> {
-        match &light.method {
-            Some(setup) => self.cast(frame, &shot.view, light, setup, lit).map(Some),
-            None => Ok(None),
-        }
+        to: (&Target, bool),
+        light: &'a LightSetup<'a>,
+        (lit, air): (&[usize], Option<LitAir>),
+    ) -> Result<Lamp<'a>, RenderError> {
+        let method = light.method.as_ref();
+        let shadow = match method.filter(|_| !lit.is_empty() || air.is_some()) {
+            Some(setup) => {
+                // Air is seen from the near plane on, wherever surfaces are.
+                let wanted = air.is_none() && setup.method.wants_seen_depths(&setup.axes);
+                let seen = match wanted {
+                    true => Some(self.seen_depths(frame, shot, to)?),
+                    false => None,
+                };
+                let by = (&shot.view, seen);
+                Some(self.cast(frame, by, light, setup, (lit, air.as_ref()))?)
+            }
+            None => None,
+        };
+        Ok(Lamp {
+            setup: light,
+            constants: lights::constants(&light.source.light, shot.view.position),
+            shadow,
+        })
     }
 
     /// Records `pass`, drawn for a light where it names one.
@@ -220,6 +307,12 @@ impl Renderer {
 
     /// Runs what was recorded, and reads the colours back.
     fn finish(&self, frame: &mut FrameState<'_>, target: &Target) -> Result<Vec<u8>, RenderError> {
+        self.submit(frame)?;
+        Ok(target.read(&self.gpu)?)
+    }
+
+    /// Runs what was recorded, to its end.
+    pub(super) fn submit(&self, frame: &mut FrameState<'_>) -> Result<(), RenderError> {
         let next = self.gpu.device.create_command_encoder(&Default::default());
         let mut encoder = std::mem::replace(&mut frame.encoder, next);
         let times = frame.timer.resolve(&self.gpu, &mut encoder);
@@ -232,7 +325,18 @@ impl Renderer {
             let times = frame.timer.read(&self.gpu, &times)?;
             frame.report.times.extend(times);
         }
-        Ok(target.read(&self.gpu)?)
+        Ok(())
+    }
+
+    /// The same of a picture of single floats.
+    pub(super) fn finish_floats(
+        &self,
+        frame: &mut FrameState<'_>,
+        target: &Target,
+    ) -> Result<Vec<f32>, RenderError> {
+        let bytes = self.finish(frame, target)?;
+        let pixels = bytes.as_chunks::<4>().0.iter().copied();
+        Ok(pixels.map(f32::from_le_bytes).collect())
     }
 }
 
@@ -260,7 +364,7 @@ fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> Ligh
         None => reads,
         Some(_) => LightInputs {
             shadow: mask,
-            masked: true,
+            term: Term::Mask,
             ..reads
         },
     }

@@ -9,7 +9,7 @@ use umbrage_shadow::{ComputePass, Constants, ScreenPass};
 use super::{
     Renderer,
     assets::Vertices,
-    draw::{FrameState, LightInputs, PassInputs, record},
+    draw::{FrameState, LightInputs, PassInputs, Term, record},
     lights,
     pipelines::{ColorState, Computation, DrawState},
     resources::{ShadowResources, unfiltered},
@@ -56,7 +56,7 @@ impl Renderer {
         let command = {
             let given = resources.given_to(&pass.reads);
             let inputs = inputs(job, &pass.shader, &light, &given, state);
-            self.prepare_screen(frame, &inputs, job.receiver)?
+            self.prepare_screen(frame, &inputs, job.cause)?
         };
         let view = texture.create_view(&Default::default());
         let clear = job.filled.insert(&pass.target);
@@ -94,29 +94,39 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         self.check_compute(job, pass)?;
         let light = lights::constants(&job.light.source.light, eye);
-        let (computation, groups) = {
-            let given = resources.given_to(&pass.reads);
-            let inputs = inputs(job, &pass.shader, &light, &given, DrawState::NOTHING);
-            let permutation = self.compose(frame, &inputs, job.receiver, None)?;
-            check_stores(job, pass, &permutation)?;
-            let id = (permutation.key.clone(), unfiltered(Some(&given)));
-            let computation = match self.computations.get(&id) {
-                Some(known) => Arc::clone(known),
-                None => {
-                    let made = Arc::new(Computation::new(&self.gpu, permutation, &id.1)?);
-                    self.computations.insert(id, Arc::clone(&made));
-                    made
-                }
-            };
-            let groups = self.bind_all(frame, &inputs, &computation.program, job.receiver)?;
-            (computation, groups)
+        let given = resources.given_to(&pass.reads);
+        let inputs = inputs(job, &pass.shader, &light, &given, DrawState::NOTHING);
+        let permutation = self.compose(frame, &inputs, job.cause, None)?;
+        check_stores(job, pass, &permutation)?;
+        let mark = frame.timer.mark_map(&self.gpu, inputs.pass, inputs.cause);
+        self.compute(frame, &inputs, permutation, pass.workgroups, mark)?;
+        frame.report.derived_passes += 1;
+        Ok(())
+    }
+
+    /// Runs a compute shader.
+    pub(super) fn compute(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        permutation: Arc<Permutation>,
+        [x, y, z]: [u32; 3],
+        mark: Option<Mark>,
+    ) -> Result<(), RenderError> {
+        let id = (permutation.key.clone(), inputs.state.unfiltered.clone());
+        let computation = match self.computations.get(&id) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let made = Arc::new(Computation::new(&self.gpu, permutation, &id.1)?);
+                self.computations.insert(id, Arc::clone(&made));
+                made
+            }
         };
-        let name = Some(job.light.source.name.as_str());
-        let mark = frame.timer.mark_map(&self.gpu, &pass.shader, name);
+        let groups = self.bind_all(frame, inputs, &computation.program)?;
         let mut recorded = frame
             .encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(&pass.shader),
+                label: Some(inputs.pass),
                 timestamp_writes: mark.as_ref().map(Mark::compute_writes),
             });
         recorded.set_pipeline(&computation.pipeline);
@@ -125,11 +135,9 @@ impl Renderer {
                 recorded.set_bind_group(group, bound, &[]);
             }
         }
-        let [x, y, z] = pass.workgroups;
         recorded.dispatch_workgroups(x, y, z);
         drop(recorded);
         frame.report.passes += 1;
-        frame.report.derived_passes += 1;
         Ok(())
     }
 
@@ -193,7 +201,7 @@ fn inputs<'a>(
             setup: job.light,
             constants: light,
             shadow: Some(given),
-            masked: false,
+            term: Term::Method,
         }),
         vertices: Vertices::Shared,
         state,

@@ -20,10 +20,7 @@ use super::{
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
-use crate::{
-    PermutationUse, RenderError, Report,
-    scene::{Material, Object},
-};
+use crate::{PermutationUse, RenderError, Report, scene::Material};
 
 /// What is being rendered, and what has been found out on the way.
 pub(super) struct FrameState<'a> {
@@ -34,8 +31,14 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The shadow methods' textures that this frame uses.
     pub(super) shadow_maps: BTreeSet<TextureId>,
-    /// What is seen, where it was laid down for masks.
+    /// What is seen, where it was laid down.
     pub(super) planes: Option<wgpu::TextureView>,
+    /// The depth of what is seen, once it is there for the air.
+    pub(super) seen_depth: Option<wgpu::TextureView>,
+    /// Where the depths go between which it is seen, block by block.
+    pub(super) depths: Option<wgpu::TextureView>,
+    /// Between which depths it is, where that was asked for.
+    pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// By the full key, so that each is asked for once.
@@ -67,8 +70,18 @@ pub(super) struct LightInputs<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: &'a Constants,
     pub(super) shadow: Option<&'a ShadowResources>,
-    /// Whether the shadow term is read from a mask.
-    pub(super) masked: bool,
+    pub(super) term: Term<'a>,
+}
+
+/// Where a shader has a light's shadow term from.
+#[derive(Clone, Copy)]
+pub(super) enum Term<'a> {
+    /// The light's method.
+    Method,
+    /// The light's method, with these values of its axes in place of the light's.
+    Region(&'a BTreeMap<String, String>),
+    /// A mask.
+    Mask,
 }
 
 /// A draw, ready to be recorded.
@@ -90,6 +103,9 @@ impl<'a> FrameState<'a> {
     ) -> Self {
         Self {
             planes: None,
+            seen_depth: None,
+            depths: None,
+            seen: None,
             rays,
             options,
             objects,
@@ -147,7 +163,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, object, Some(&object.material))?;
+            let permutation = self.compose(frame, inputs, &object.name, Some(&object.material))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.program.groups.len() {
@@ -165,7 +181,7 @@ impl Renderer {
                         inputs,
                         &pipeline.program,
                         (group, layout),
-                        object,
+                        Some(object),
                     )?),
                 };
                 if let Some(bound) = &bound {
@@ -188,17 +204,17 @@ impl Renderer {
         Ok(commands)
     }
 
-    /// The command that draws one triangle around the picture, for the sake of `object`.
+    /// The command that draws one triangle around the picture, for the sake of what is called `cause`.
     pub(super) fn prepare_screen(
         &mut self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
-        let permutation = self.compose(frame, inputs, object, None)?;
+        let permutation = self.compose(frame, inputs, cause, None)?;
         let pipeline = self.pipeline(permutation, &inputs.state, false)?;
-        let groups = self.bind_all(frame, inputs, &pipeline.program, object)?;
+        let groups = self.bind_all(frame, inputs, &pipeline.program)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
@@ -208,16 +224,16 @@ impl Renderer {
         })
     }
 
-    /// The permutation that `object` needs in this pass, for a material where it is one's, composed on
-    /// first need.
+    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's,
+    /// composed on first need.
     pub(super) fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
-        object: &Object,
+        cause: &str,
         material: Option<&Material>,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| (light.setup, light.masked));
+        let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
         let key = lights::key(library, frame.options, inputs.pass, light, material)?;
         if let Some(known) = frame.composed.get(&key) {
@@ -231,7 +247,7 @@ impl Renderer {
             frame.report.permutations.push(PermutationUse {
                 key: permutation.key.clone(),
                 source: composed.source,
-                object: object.name.clone(),
+                object: cause.to_owned(),
                 light: inputs.cause.map(str::to_owned),
             });
         }

@@ -8,7 +8,7 @@ use umbrage_shadow::{
     Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
 };
 
-use super::RenderOptions;
+use super::{RenderOptions, draw::Term};
 use crate::{
     RenderError,
     scene::{Material, Scene, SceneLight, Shadow, look_along},
@@ -20,6 +20,8 @@ pub(super) struct LightSetup<'a> {
     /// Its number in the scene.
     pub(super) index: usize,
     pub(super) method: Option<MethodSetup<'a>>,
+    /// Whether it goes through a medium.
+    pub(super) in_medium: bool,
 }
 
 /// A light's method and what is chosen for it.
@@ -31,7 +33,16 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 3] = ["pass", "light", "method"];
+const OWN_AXES: [&str; 4] = ["pass", "light", "medium", "method"];
+
+/// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
+/// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
+const AIR_AXES: [(&str, &str); 4] = [
+    ("pcf", "3"),
+    ("receiver_bias", "constant"),
+    ("taper", "off"),
+    ("transition", "hard"),
+];
 
 /// Checks what `scene` and `options` ask of the lights.
 pub(super) fn set_up<'a>(
@@ -82,6 +93,7 @@ pub(super) fn set_up<'a>(
             source,
             index,
             method,
+            in_medium: scene.medium.is_some_and(|air| air.extinction() > 0.0),
         });
     }
     Ok(setups)
@@ -198,12 +210,12 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
-/// for one, and whether it reads the light's mask.
+/// for one, and by where the light's shadow term comes from.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
-    light: Option<(&LightSetup<'_>, bool)>,
+    light: Option<(&LightSetup<'_>, Term<'_>)>,
     material: Option<&Material>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
@@ -220,7 +232,7 @@ pub(super) fn key(
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
-    let (light, masked) = light.unzip();
+    let (light, term) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.
     if kind != Some("spot") {
@@ -228,14 +240,24 @@ pub(super) fn key(
     }
     if let (Some(light), Some(kind)) = (light, kind) {
         choices.insert("light", kind);
+        if light.in_medium && pass == "illumination" {
+            choices.insert("medium", "on");
+        }
         if kind == "spot" && light.source.cookie.is_some() {
             choices.insert("cookie", "on");
         }
-        if masked == Some(true) {
+        if let Some(Term::Mask) = term {
             choices.insert("method", "mask");
         } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
+            if ["shafts", "shaft_fetches"].contains(&pass) {
+                let known = |(axis, _): &(&str, _)| setup.axes.contains_key(*axis);
+                choices.extend(AIR_AXES.into_iter().filter(known));
+            }
+        }
+        if let Some(Term::Region(axes)) = term {
+            choices.extend(axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
         }
     }
     Ok(library.key(choices)?)

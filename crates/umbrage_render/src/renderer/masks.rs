@@ -11,27 +11,45 @@ use super::{
     draw::{FrameState, LightInputs, PassInputs, record},
     pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
+    seen::{SEEN_PLANES, picture_size},
     target::{DEPTH, Target, begin},
 };
-use crate::RenderError;
-
-/// The binding of what `linear_depth` lays down.
-pub(super) const SEEN_PLANES: &str = "seen_planes";
+use crate::{RenderError, scene::Object};
 
 /// The binding of a light's mask.
 const MASK: &str = "shadow_mask";
 
-/// Each pixel's plane: the unit normal and the linear depth, 0 where nothing is seen. In 16 bytes a
-/// pixel, all floats: a normal in two halves is 1e-3 radians off, which at the slope of 19 that a
-/// method follows a receiver's plane to moves the plane by a third.
-const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-
 /// A shadow term, in 4 bytes a pixel: what a method found, to the last bit, as the other path has it.
-const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+pub(super) const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// What the mask path keeps for a picture. One mask serves all lights in turn.
 pub(super) struct Masks {
-    mask: wgpu::TextureView,
+    pub(super) mask: wgpu::TextureView,
+    /// Each pixel's region, once a light has some.
+    pub(super) regions: Option<wgpu::TextureView>,
+}
+
+/// A light whose mask is filled.
+#[derive(Clone, Copy)]
+pub(super) struct Masked<'a> {
+    pub(super) shot: &'a Shot<'a>,
+    pub(super) reads: LightInputs<'a>,
+    /// What may be seen of what it reaches.
+    pub(super) receivers: &'a [&'a Object],
+}
+
+/// A triangle around the picture, drawn in a pass of its own for a light's mask.
+pub(super) struct MaskPass<'a> {
+    /// What its time is called.
+    pub(super) name: &'a str,
+    /// The colour texture, and what it is cleared to.
+    pub(super) color: (&'a wgpu::TextureView, Option<wgpu::Color>),
+    /// The depth texture, and whether it is cleared.
+    pub(super) depth: (&'a wgpu::TextureView, bool),
+    /// The depth that the triangle lies at.
+    pub(super) level: f32,
+    /// The pixels to draw: left, top, width, height.
+    pub(super) area: [u32; 4],
 }
 
 /// The members of the shader's block `rays`.
@@ -61,124 +79,125 @@ impl Renderer {
         masks: &mut Option<Masks>,
         (reads, lit): (LightInputs<'_>, &[usize]),
     ) -> Result<Option<ShadowResources>, RenderError> {
-        if frame.options.path != Path::Mask || reads.shadow.is_none() {
+        if frame.options.path == Path::Forward || reads.shadow.is_none() {
             return Ok(None);
         }
+        self.lay_planes(frame, shot, (target, fresh))?;
         let laid = match masks.take() {
             Some(laid) => laid,
-            None => self.lay_planes(frame, shot, target, fresh)?,
+            None => self.mask_texture(frame)?,
         };
         let laid = masks.insert(laid);
-        self.fill_mask(frame, (shot, target), laid, reads, lit)
-            .map(Some)
-    }
-
-    /// Lays down the planes that are seen.
-    fn lay_planes(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        shot: &Shot<'_>,
-        target: &Target,
-        fresh: bool,
-    ) -> Result<Masks, RenderError> {
-        use wgpu::TextureUsages as Usage;
-        let (width, height) = (frame.options.width, frame.options.height);
-        let size = wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
+        let objects = frame.objects.iter();
+        let receivers = objects.filter(|(slot, _)| lit.binary_search(slot).is_ok());
+        let receivers: Vec<_> = receivers.map(|(_, object)| object).collect();
+        let light = Masked {
+            shot,
+            reads,
+            receivers: &receivers,
         };
-        let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
-        let planes = self.gpu.texture("the planes seen", size, 1, PLANE, usage)?;
-        let mask = self.gpu.texture("the shadow mask", size, 1, TERM, usage)?;
-        frame.report.mask_bytes +=
-            PLANE.theoretical_memory_footprint(size) + TERM.theoretical_memory_footprint(size);
-        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-        let (planes, mask) = (view(&planes), view(&mask));
-        let inputs = PassInputs {
-            pass: "linear_depth",
-            cause: None,
-            view_proj: shot.view_proj,
-            ambient: Vec3::ZERO,
-            light: None,
-            vertices: Vertices::Shared,
-            state: DrawState {
-                write_depth: fresh,
-                ..state(PLANE, wgpu::CompareFunction::GreaterEqual)
-            },
-        };
-        let commands = self.prepare(frame, &inputs, &shot.visible)?;
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, None);
-        let nothing = Some(wgpu::Color::TRANSPARENT);
-        let mut pass = begin(
-            &mut frame.encoder,
-            (&planes, nothing),
-            (&target.depth, fresh),
-            mark.as_ref(),
-        );
-        record(&mut pass, &commands);
-        drop(pass);
-        frame.report.passes += 1;
-        frame.planes = Some(planes);
-        Ok(Masks { mask })
-    }
-
-    /// Fills the mask where the light's receivers, at `lit`, are.
-    fn fill_mask(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        (shot, target): (&Shot<'_>, &Target),
-        masks: &Masks,
-        reads: LightInputs<'_>,
-        lit: &[usize],
-    ) -> Result<ShadowResources, RenderError> {
-        let mut state = state(TERM, wgpu::CompareFunction::NotEqual);
-        state.unfiltered = unfiltered(reads.shadow);
-        state.unfiltered.insert(SEEN_PLANES.to_owned());
-        let light = reads.setup.source.name.as_str();
-        let inputs = PassInputs {
-            pass: "mask",
-            cause: Some(light),
-            view_proj: shot.view_proj,
-            ambient: Vec3::ZERO,
-            light: Some(reads),
-            vertices: Vertices::Shared,
-            state,
-        };
-        let receivers = frame.objects.iter();
-        let receivers: Vec<_> = receivers
-            .filter(|(slot, _)| lit.binary_search(slot).is_ok())
-            .map(|(_, object)| object)
-            .collect();
-        let mut commands = Vec::new();
-        if let Some(first) = receivers.first() {
-            commands.push(self.prepare_screen(frame, &inputs, first)?);
+        if frame.options.path == Path::MaskBySplit && has_regions(reads.shadow) {
+            self.fill_by_region(frame, laid, light)?;
+        } else {
+            self.fill_at_once(frame, target, laid, light)?;
         }
-        let boxes = receivers.iter().map(|object| object.bounds);
-        let size = [frame.options.width, frame.options.height];
-        let area = area(&shot.view, size, boxes);
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, Some(light));
+        let mask = (TERM, laid.mask.clone());
+        Ok(Some(ShadowResources {
+            textures: BTreeMap::from([(MASK.to_owned(), mask)]),
+            ..ShadowResources::default()
+        }))
+    }
+
+    fn mask_texture(&self, frame: &mut FrameState<'_>) -> Result<Masks, RenderError> {
+        let size = picture_size(frame);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let mask = self.gpu.texture("the shadow mask", size, 1, TERM, usage)?;
+        frame.report.mask_bytes += TERM.theoretical_memory_footprint(size);
+        Ok(Masks {
+            mask: mask.create_view(&Default::default()),
+            regions: None,
+        })
+    }
+
+    /// Fills the mask where the light's receivers are.
+    fn fill_at_once(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        target: &Target,
+        masks: &Masks,
+        light: Masked<'_>,
+    ) -> Result<(), RenderError> {
+        let inputs = light.inputs("mask", state(TERM, wgpu::CompareFunction::NotEqual));
+        let pass = MaskPass {
+            name: inputs.pass,
+            color: (&masks.mask, Some(wgpu::Color::WHITE)),
+            depth: (&target.depth, false),
+            level: 0.0,
+            area: light.area(frame, light.receivers),
+        };
+        self.draw_mask(frame, light, &inputs, &pass)
+    }
+
+    /// Records a pass of one triangle around the picture, for the light's sake.
+    pub(super) fn draw_mask(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        light: Masked<'_>,
+        inputs: &PassInputs<'_>,
+        screen: &MaskPass<'_>,
+    ) -> Result<(), RenderError> {
+        let mut commands = Vec::new();
+        if let Some(first) = light.receivers.first() {
+            commands.push(self.prepare_screen(frame, inputs, &first.name)?);
+        }
+        let mark = frame.timer.mark(&self.gpu, screen.name, inputs.cause);
         let mut pass = begin(
             &mut frame.encoder,
-            (&masks.mask, Some(wgpu::Color::WHITE)),
-            (&target.depth, false),
+            screen.color,
+            screen.depth,
             mark.as_ref(),
         );
-        let [x, y, width, height] = area;
+        let [x, y, width, height] = screen.area;
+        let (wide, tall) = (frame.options.width as f32, frame.options.height as f32);
+        pass.set_viewport(0.0, 0.0, wide, tall, screen.level, screen.level);
         pass.set_scissor_rect(x, y, width, height);
         record(&mut pass, &commands);
         drop(pass);
         frame.report.passes += 1;
-        let mask = (TERM, masks.mask.clone());
-        Ok(ShadowResources {
-            textures: BTreeMap::from([(MASK.to_owned(), mask)]),
-            ..ShadowResources::default()
-        })
+        Ok(())
     }
 }
 
+impl<'a> Masked<'a> {
+    /// What a pass over the picture draws with.
+    pub(super) fn inputs(&self, pass: &'a str, mut state: DrawState) -> PassInputs<'a> {
+        state.unfiltered = unfiltered(self.reads.shadow);
+        state.unfiltered.insert(SEEN_PLANES.to_owned());
+        PassInputs {
+            pass,
+            cause: Some(&self.reads.setup.source.name),
+            view_proj: self.shot.view_proj,
+            ambient: Vec3::ZERO,
+            light: Some(self.reads),
+            vertices: Vertices::Shared,
+            state,
+        }
+    }
+
+    /// The pixels (left, top, width, height) that some of `objects` may be seen at.
+    pub(super) fn area(&self, frame: &FrameState<'_>, objects: &[&Object]) -> [u32; 4] {
+        let boxes = objects.iter().map(|object| object.bounds);
+        let size = [frame.options.width, frame.options.height];
+        area(&self.shot.view, size, boxes)
+    }
+}
+
+fn has_regions(shadow: Option<&ShadowResources>) -> bool {
+    shadow.is_some_and(|shadow| !shadow.regions.is_empty())
+}
+
 /// Depth is only looked at.
-fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
+pub(super) fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
     DrawState {
         color: Some(ColorState {
             format,

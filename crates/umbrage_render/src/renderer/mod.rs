@@ -1,5 +1,6 @@
 //! Renders a scene: shadow maps, then what the camera sees.
 
+mod air;
 mod assets;
 mod bind;
 mod camera;
@@ -9,7 +10,9 @@ mod lights;
 mod masks;
 mod objects;
 mod pipelines;
+mod regions;
 mod resources;
+mod seen;
 mod shadows;
 mod target;
 mod timer;
@@ -68,10 +71,18 @@ pub struct RenderOptions {
     pub settings: BTreeMap<String, f64>,
     /// How shadow terms come to where light is added.
     pub path: Path,
+    /// How many steps are made along each pixel's ray through a scene's [medium](crate::Medium), for each light: 1 to
+    /// [`MOST_SHAFT_STEPS`]. Each looks up the light's shadow once. The grain that is left where shafts begin and end
+    /// falls with their number: in `examples/scenes/shafts.ron`, against 4096 steps, it is 0.0066 (root mean square, of 1)
+    /// at 32 steps and 0.0030 at 64, less than a code of 255 in linear light.
+    pub shaft_steps: u32,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
 }
+
+/// The most steps that a ray through a medium may have.
+pub const MOST_SHAFT_STEPS: u32 = 4096;
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,13 +98,29 @@ pub enum What {
     Fetches,
     /// For each light how its shadow term was found: see [`Decision`](crate::Decision).
     Decisions,
+    /// For each light the texture fetches that its shafts take: for every step those of the shadow term and of a
+    /// cookie, and one for the depth of what is seen.
+    ShaftFetches,
+    /// The scene, and for each light which of its several shadow maps is read.
+    Splits,
 }
 
 /// How the shadow terms of a [shaded](What::Shaded) picture, and [by themselves](What::ShadowTerm), come
 /// about. The methods do not know which it is, and the pictures are the same up to rounding: the mask
 /// path finds a position again from linear depth, along the ray through the pixel's middle, and a
 /// rasteriser's own may be off by its grid, 1/256 pixel on most devices.
-#[derive(serde::Deserialize, serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    serde::Deserialize,
+    serde::Serialize,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
     /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
@@ -103,6 +130,10 @@ pub enum Path {
     /// permutation a light and method, whatever the surfaces; for
     /// [`mask_bytes`](crate::Report::mask_bytes) more memory, and one more pass over the objects.
     Mask,
+    /// The same, by a pass over the picture for each of the plan's
+    /// [regions](umbrage_shadow::ShadowPlan::regions), with its own permutation; the depth test rejects the pixels of
+    /// the others before they are shaded. A light whose plan has none has the one pass of the mask path.
+    MaskBySplit,
 }
 
 impl Default for RenderOptions {
@@ -115,6 +146,7 @@ impl Default for RenderOptions {
             axes: BTreeMap::new(),
             settings: BTreeMap::new(),
             path: Path::Forward,
+            shaft_steps: 64,
             timed: false,
         }
     }
@@ -165,6 +197,10 @@ impl Renderer {
                 limit,
             });
         }
+        let steps = options.shaft_steps;
+        if !(1..=MOST_SHAFT_STEPS).contains(&steps) {
+            return Err(RenderError::Steps { steps });
+        }
         self.assets.sweep();
         let gpu = Arc::clone(&self.gpu);
         let done = gpu.check(|| self.render_unchecked(scene, options));
@@ -191,6 +227,11 @@ impl Renderer {
         let lights = lights::set_up(scene, options, &registry, library)?;
         let view = scene.camera.view(options.width, options.height);
         check(scene, &view)?;
+        let rays = masks::rays(&view, options);
+        let rays = match &scene.medium {
+            Some(medium) => air::constants(rays, &view, medium, options),
+            None => rays,
+        };
         let objects = Objects::new(scene, view.position);
         let frustum = view.frustum_relative();
         let near = |bounds: Aabb| bounds.translate(-view.position);
@@ -213,7 +254,7 @@ impl Renderer {
             objects,
             encoder,
             Timer::new(&self.gpu, options.timed),
-            masks::rays(&shot.view, options),
+            rays,
         );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,
@@ -221,6 +262,8 @@ impl Renderer {
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
             What::Decisions => self.decisions(&mut frame, &shot)?,
+            What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
+            What::Splits => self.splits(&mut frame, &shot)?,
         };
         self.shadow_maps
             .retain(|id, _| frame.shadow_maps.contains(id));
@@ -241,6 +284,12 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
         what: "the camera".to_owned(),
         source,
     })?;
+    if let Some(medium) = &scene.medium {
+        medium.validate().map_err(|source| RenderError::Scene {
+            what: "the medium".to_owned(),
+            source,
+        })?;
+    }
     for object in &scene.objects {
         let Aabb { min, max } = object.bounds;
         PlanError::check(
@@ -301,11 +350,18 @@ mod tests {
         let gpu = Arc::new(Gpu::new().expect("an adapter"));
         let mut renderer = Renderer::new(gpu, composer, methods);
         let mut scene = Scene::load(folder.join("scenes/leaves.ron")).expect("a sound scene");
+        scene.medium = Some(crate::Medium {
+            scattering: 0.1,
+            absorption: 0.0,
+            anisotropy: 0.0,
+        });
         for what in [
             What::Shaded,
             What::ShadowTerm,
             What::Triangles,
             What::Fetches,
+            What::ShaftFetches,
+            What::Splits,
         ] {
             let options = RenderOptions {
                 width: 40,

@@ -201,16 +201,27 @@ impl Pipeline {
 }
 
 /// Adds what is drawn to what is there.
-pub(super) const ADD: wgpu::BlendState = blend(wgpu::BlendOperation::Add);
+pub(super) const ADD: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Add);
 
 /// Keeps the larger one, channel by channel.
-pub(super) const MAX: wgpu::BlendState = blend(wgpu::BlendOperation::Max);
+pub(super) const MAX: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Max);
 
-const fn blend(operation: wgpu::BlendOperation) -> wgpu::BlendState {
-    // With `Max`, WebGPU allows no other factors.
+/// Multiplies what is there with what is drawn.
+pub(super) const MULTIPLY: wgpu::BlendState = blend(
+    [wgpu::BlendFactor::Zero, wgpu::BlendFactor::Src],
+    wgpu::BlendOperation::Add,
+);
+
+/// With `Max`, WebGPU allows no other factors.
+const ONES: [wgpu::BlendFactor; 2] = [wgpu::BlendFactor::One; 2];
+
+const fn blend(
+    [src_factor, dst_factor]: [wgpu::BlendFactor; 2],
+    operation: wgpu::BlendOperation,
+) -> wgpu::BlendState {
     let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
+        src_factor,
+        dst_factor,
         operation,
     };
     wgpu::BlendState {

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbrage_shadow::{
-    Constants, Contents, Pass, Reads, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+    Constants, Contents, Pass, Reads, Region, SamplerDesc, ShadowPlan, TextureDesc, TextureShape,
+    Value,
 };
 
 use super::{
@@ -23,6 +24,8 @@ pub(super) struct ShadowResources {
     pub(super) samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
     /// Not on the device yet: each shader may lay them out in its own way.
     pub(super) buffers: BTreeMap<String, Value>,
+    /// Where other permutations give the same.
+    pub(super) regions: Vec<Region>,
     /// Whether textures of 32 bits a channel may be filtered, beyond the baseline.
     pub(super) filters_all_floats: bool,
 }

@@ -10,24 +10,26 @@ use umbrage_shadow::{
 
 use super::{
     Renderer,
+    air::{AIR, LitAir},
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
     pipelines::{ColorState, DrawState, MAX},
+    regions,
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
-use crate::{RenderError, scene::Object};
+use crate::RenderError;
 
 impl Renderer {
-    /// Draws the shadow maps of a light for the objects at `receivers`.
+    /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
-        view: &View,
+        (view, seen): (&View, Option<[f64; 2]>),
         light: &LightSetup<'_>,
         setup: &MethodSetup<'_>,
-        receivers: &[usize],
+        (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
         let mut casting = Vec::new();
         let (mut caster_bounds, mut receiver_bounds) = (Vec::new(), Vec::new());
@@ -40,7 +42,14 @@ impl Renderer {
                 receiver_bounds.push(object.bounds);
             }
         }
-        let plan = plan(view, light, setup, &caster_bounds, &receiver_bounds)?;
+        receiver_bounds.extend(air.and_then(|air| air.shaded));
+        let plan = plan(
+            (view, seen),
+            (light, setup),
+            &caster_bounds,
+            &receiver_bounds,
+        )?;
+        regions::check(setup, &plan.regions)?;
         self.check_needs(light, setup, &plan)?;
         let textures = self.textures(frame, light, setup, &plan)?;
         frame.report.fetches_per_pixel += plan.fetches_per_pixel;
@@ -49,14 +58,11 @@ impl Renderer {
             .objects
             .iter()
             .find_map(|(slot, object)| receivers.contains(&slot).then_some(object));
-        let Some(receiver) = receiver else {
-            return Err(bad_plan(setup, "for no receiver"));
-        };
         let mut job = Job {
             light,
             setup,
             textures: &textures,
-            receiver,
+            cause: receiver.map_or(AIR, |object| &object.name),
             filled: BTreeSet::new(),
         };
         for pass in &plan.passes {
@@ -75,6 +81,7 @@ impl Renderer {
             }
         }
         resources.constants = plan.constants.clone();
+        resources.regions = plan.regions.clone();
         frame.report.plans.resize(light.index, None);
         frame.report.plans.push(Some(plan));
         Ok(resources)
@@ -186,8 +193,8 @@ pub(super) struct Job<'a> {
     pub(super) light: &'a LightSetup<'a>,
     pub(super) setup: &'a MethodSetup<'a>,
     pub(super) textures: &'a Textures,
-    /// A receiver, on whose behalf passes that draw no object run.
-    pub(super) receiver: &'a Object,
+    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
+    pub(super) cause: &'a str,
     /// The textures that a pass has filled in part, or whole: only the first one into a texture clears it.
     pub(super) filled: BTreeSet<&'a str>,
 }
@@ -198,9 +205,8 @@ pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
 }
 
 fn plan(
-    view: &View,
-    light: &LightSetup<'_>,
-    setup: &MethodSetup<'_>,
+    (view, seen): (&View, Option<[f64; 2]>),
+    (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
     casters: &[Aabb],
     receivers: &[Aabb],
 ) -> Result<ShadowPlan, RenderError> {
@@ -210,6 +216,7 @@ fn plan(
         casters: Casters { casters, receivers },
         settings: &setup.settings,
         axes: &setup.axes,
+        seen,
     };
     let light = light.source.name.clone();
     setup

@@ -71,7 +71,7 @@ impl Target {
             size,
             1,
             DEPTH,
-            Usage::RENDER_ATTACHMENT,
+            Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING,
         )?;
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
         Ok(Self {
@@ -93,51 +93,82 @@ impl Target {
         begin(encoder, color, (&self.depth, clear.is_some()), mark)
     }
 
-    /// The colour texture's bytes, row by row from the top, in bands so that no buffer grows with
-    /// the picture.
-    pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
-        let (width, height) = (self.texture.width(), self.texture.height());
-        let texel = self.texture.format().block_copy_size(None).unwrap_or(4);
-        let row = width * texel;
-        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let rows = ((BAND / u64::from(padded)) as u32).clamp(1, height);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("read-back"),
-            size: u64::from(padded) * u64::from(rows),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut bytes = Vec::with_capacity(row as usize * height as usize);
-        let mut top = 0;
-        while top < height {
-            let band = rows.min(height - top);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo {
-                    origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
-                    ..self.texture.as_image_copy()
+    /// Begins a pass over what is there, without depth, which it may read. `mark` takes its time.
+    pub(super) fn over<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        mark: Option<&Mark>,
+    ) -> wgpu::RenderPass<'a> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("over the picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
                 },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &buffer,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(padded),
-                        rows_per_image: None,
-                    },
-                },
-                wgpu::Extent3d {
-                    width,
-                    height: band,
-                    depth_or_array_layers: 1,
-                },
-            );
-            gpu.queue.submit([encoder.finish()]);
-            gpu.read(&buffer, |mapped| {
-                let rows = mapped.chunks_exact(padded as usize).take(band as usize);
-                rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
-            })?;
-            top += band;
-        }
-        Ok(bytes)
+            })],
+            timestamp_writes: mark.map(Mark::writes),
+            ..Default::default()
+        })
     }
+
+    /// The colours' format.
+    pub(super) fn format(&self) -> wgpu::TextureFormat {
+        self.texture.format()
+    }
+
+    /// The colour texture's bytes, as [`read`] gives them.
+    pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        read(gpu, &self.texture)
+    }
+}
+
+/// The bytes of a texture of one rectangle, row by row from the top, in bands so that no buffer grows with it.
+pub(super) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+    let (width, height) = (texture.width(), texture.height());
+    let texel = texture.format().block_copy_size(None).unwrap_or(4);
+    let row = width * texel;
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let rows = ((BAND / u64::from(padded)) as u32).clamp(1, height);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read-back"),
+        size: u64::from(padded) * u64::from(rows),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut bytes = Vec::with_capacity(row as usize * height as usize);
+    let mut top = 0;
+    while top < height {
+        let band = rows.min(height - top);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y: top, z: 0 },
+                ..texture.as_image_copy()
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d {
+                width,
+                height: band,
+                depth_or_array_layers: 1,
+            },
+        );
+        gpu.queue.submit([encoder.finish()]);
+        gpu.read(&buffer, |mapped| {
+            let rows = mapped.chunks_exact(padded as usize).take(band as usize);
+            rows.for_each(|padded| bytes.extend_from_slice(&padded[..row as usize]));
+        })?;
+        top += band;
+    }
+    Ok(bytes)
 }

@@ -46,6 +46,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         camera: camera(centre, radius),
         ambient: Vec3::splat(0.35),
         background: Vec3::new(0.3, 0.4, 0.6),
+        medium: None,
     })
 }
 

@@ -11,7 +11,7 @@ use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::{
-    Camera, Image, Material, Mesh, Object, Scene, SceneError, Texture, Wrap,
+    Camera, Image, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
     error::read,
     file_lights::LightFile,
     model::{self, Part},
@@ -26,6 +26,7 @@ struct SceneFile {
     ambient: (f32, f32, f32),
     #[serde(default)]
     background: (f32, f32, f32),
+    medium: Option<Medium>,
     #[serde(default)]
     lights: Vec<LightFile>,
     models: Vec<ModelFile>,
@@ -181,6 +182,10 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let camera = loader.camera(&file.camera)?;
     let ambient = loader.color("ambient", file.ambient)?;
     let background = loader.color("background", file.background)?;
+    let medium = file
+        .medium
+        .map(|medium| loader.medium(medium))
+        .transpose()?;
     let mut lights = Vec::new();
     for (index, light) in file.lights.into_iter().enumerate() {
         lights.push(loader.light(light, &format!("lights[{index}]"))?);
@@ -202,6 +207,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         camera,
         ambient,
         background,
+        medium,
     })
 }
 

@@ -6,6 +6,7 @@ mod error;
 mod file;
 mod file_lights;
 mod image;
+mod medium;
 mod model;
 mod shapes;
 
@@ -19,6 +20,7 @@ pub use self::{
     error::SceneError,
     file::look_along,
     image::{Image, Level},
+    medium::Medium,
 };
 
 /// What is to be rendered. World space: metres, right-handed, y up.
@@ -34,6 +36,8 @@ pub struct Scene {
     pub ambient: Vec3,
     /// What is seen where there is nothing, linear RGB.
     pub background: Vec3,
+    /// What the air is like; none for air that nothing is seen of.
+    pub medium: Option<Medium>,
 }
 
 /// A mesh in its place.

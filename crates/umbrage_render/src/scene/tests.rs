@@ -346,6 +346,13 @@ fn load_scene(changes: &[(&str, &str)]) -> Result<Scene, SceneError> {
 fn scene_files_load() {
     let scene = load_scene(&[]).expect("loads");
     assert!((scene.camera.rotation * DVec3::NEG_Z).abs_diff_eq(DVec3::NEG_Z, 1e-12));
+    assert_eq!(scene.medium, None);
+    let dusty = load_scene(&[("lights: [", "medium: (scattering: 0.5), lights: [")]);
+    let medium = dusty.expect("loads").medium.expect("it has one");
+    assert_eq!(
+        [medium.scattering, medium.absorption, medium.anisotropy],
+        [0.5, 0.0, 0.0]
+    );
     assert!(!scene.objects[0].material.casts);
     assert_eq!(scene.objects[0].material.surface, "ggx");
     assert_eq!(scene.objects[1].bounds.max.x, 1_000_000.5);
@@ -419,6 +426,26 @@ fn bad_scene_files_are_refused() {
             "intensity: 2",
             "intensity: 2, cookie: \"gone.png\"",
             "gone.png",
+        ),
+        (
+            "lights: [",
+            "medium: (scattering: -0.1), lights: [",
+            "test.ron: medium.scattering: it is -0.1, but must lie from 0e0 to 1e6; change it in the scene file",
+        ),
+        (
+            "lights: [",
+            "medium: (absorption: NaN), lights: [",
+            "medium.absorption: it is NaN",
+        ),
+        (
+            "lights: [",
+            "medium: (anisotropy: 1), lights: [",
+            "medium.anisotropy: it is 1",
+        ),
+        (
+            "lights: [",
+            "medium: (density: 1),\nlights: [",
+            "test.ron:3:14: unexpected field named `density`",
         ),
         ("radius: 0.5", "radius: 0", "models[1].shape.radius"),
         (

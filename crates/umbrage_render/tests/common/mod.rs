@@ -1,6 +1,7 @@
 //! What the tests of whole pictures share.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub(crate) mod air;
 pub(crate) mod probe;
 
 use std::{path::PathBuf, sync::Arc};

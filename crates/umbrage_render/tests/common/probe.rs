@@ -31,7 +31,7 @@ impl ShadowMethod for Probe {
         &SETTINGS
     }
     fn axes(&self) -> &[&str] {
-        &[]
+        &["pcf"]
     }
     fn supports(&self, _: &Light) -> Support {
         Support::Yes

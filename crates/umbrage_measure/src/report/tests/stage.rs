@@ -1,5 +1,7 @@
 //! Reports made up for the tests.
 
+use std::collections::BTreeMap;
+
 use crate::{
     figures::Figures,
     report::{Isa, Pictures, Report, Row, SceneInfo, Skipped, Spread},
@@ -75,7 +77,7 @@ pub(in crate::report) fn full_row() -> Row {
         passes: 6003,
         draws: 6004,
         fetches_per_pixel: 5.2,
-        decided: 0.53,
+        fetch_shares: BTreeMap::from([(2, 0.9125), (16, 0.0875)]),
         isa: Some(Isa {
             family: "navi21".to_owned(),
             instructions: 7001,

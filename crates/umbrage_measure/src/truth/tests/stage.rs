@@ -68,6 +68,7 @@ pub(crate) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> S
         camera,
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
+        medium: None,
     }
 }
 

@@ -1,0 +1,45 @@
+//! Where a split's own permutation does what that of all splits does.
+
+use std::collections::BTreeMap;
+
+use umbrage_shadow::Region;
+
+use super::fit::{Job, Splits, Transition};
+
+/// A region for each split. Of one that passes into the next, the band is a region beside: there both maps are
+/// read, and only the light's own permutation does.
+pub(super) fn of(job: &Job, splits: &Splits) -> Vec<Region> {
+    let mut regions = Vec::new();
+    for (number, split) in splits.splits.iter().enumerate() {
+        let [start, end] = split.depths;
+        let passes = job.transition != Transition::Hard && splits.has_next(split);
+        let band = if passes {
+            end - job.band_length(split)
+        } else {
+            end
+        };
+        let axes = own_axes(job, number);
+        // A band may be as long as its split.
+        if band > start {
+            regions.push(Region { end: band, axes });
+        }
+        if passes {
+            let axes = BTreeMap::new();
+            regions.push(Region { end, axes });
+        }
+    }
+    regions
+}
+
+/// What a split's pixels need where no other split's map is read: one width of filter, and no band.
+fn own_axes(job: &Job, split: usize) -> BTreeMap<String, String> {
+    let mut axes = BTreeMap::new();
+    if job.transition != Transition::Hard {
+        axes.insert("transition".to_owned(), "hard".to_owned());
+    }
+    if job.reading.taper {
+        axes.insert("taper".to_owned(), "off".to_owned());
+        axes.insert("pcf".to_owned(), job.reading.width_of(split).to_string());
+    }
+    axes
+}

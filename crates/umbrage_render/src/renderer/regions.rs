@@ -1,0 +1,172 @@
+//! The mask path by regions of view depth: a pass over the picture for each, with its own permutation.
+//!
+//! What the seed's depth-bounds test does (Salvi, "Fast percentage closer filtering on deferred cascaded shadow
+//! maps"), by what WebGPU has: one pass writes each pixel's region as a depth, and a triangle at exactly that depth,
+//! compared with *equal*, is shaded in its region alone, each pixel once. Beforehand rejected is what the depth test
+//! rejects: the permutations write no depth and discard nothing.
+
+use umbrage_shadow::{Constants, MAX_REGIONS, Region, Value};
+
+use super::{
+    Renderer,
+    draw::{FrameState, LightInputs, Term},
+    lights::MethodSetup,
+    masks::{MaskPass, Masked, Masks, TERM, state},
+    pipelines::{ColorState, DrawState},
+    resources::ShadowResources,
+    seen::picture_size,
+    shadows::bad_plan,
+    target::DEPTH,
+};
+use crate::{RenderError, scene::Object};
+
+/// From one region's depth to the next one's, as the shader has it: floats hold each of them exactly.
+const STEP: f32 = 1.0 / 32.0;
+
+/// How much farther than told a region is looked for, relative: beyond any rounding of a view depth.
+const PADDING: f64 = 1.0 / 8192.0;
+
+impl Renderer {
+    /// Fills the mask where the light's receivers are, region by region.
+    pub(super) fn fill_by_region(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        masks: &mut Masks,
+        light: Masked<'_>,
+    ) -> Result<(), RenderError> {
+        let Some(shadow) = light.reads.shadow else {
+            return Ok(());
+        };
+        let depth = self.lay_regions(frame, masks, light, &shadow.regions)?;
+        let mut start = light.shot.view.projection.near;
+        for (number, region) in shadow.regions.iter().enumerate() {
+            let seen = seen_between(light, [start, region.end]);
+            start = start.max(region.end);
+            if seen.is_empty() {
+                continue;
+            }
+            let part = Masked {
+                reads: LightInputs {
+                    term: Term::Region(&region.axes),
+                    ..light.reads
+                },
+                ..light
+            };
+            let pass = MaskPass {
+                name: &format!("mask {number}"),
+                color: (&masks.mask, None),
+                depth: (&depth, false),
+                level: (number + 1) as f32 * STEP,
+                area: light.area(frame, &seen),
+            };
+            let inputs = part.inputs("mask", state(TERM, wgpu::CompareFunction::Equal));
+            self.draw_mask(frame, part, &inputs, &pass)?;
+        }
+        Ok(())
+    }
+
+    /// Writes each pixel's region as a depth, and clears the mask.
+    fn lay_regions(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        masks: &mut Masks,
+        light: Masked<'_>,
+        regions: &[Region],
+    ) -> Result<wgpu::TextureView, RenderError> {
+        let depth = match masks.regions.clone() {
+            Some(known) => known,
+            None => self.region_texture(frame)?,
+        };
+        masks.regions = Some(depth.clone());
+        let constants = ShadowResources {
+            constants: ends(regions),
+            ..ShadowResources::default()
+        };
+        let by_regions = Masked {
+            reads: LightInputs {
+                shadow: Some(&constants),
+                ..light.reads
+            },
+            ..light
+        };
+        let nothing = ColorState {
+            format: TERM,
+            blend: None,
+            channels: wgpu::ColorWrites::empty(),
+        };
+        let written = DrawState {
+            color: Some(nothing),
+            write_depth: true,
+            ..state(TERM, wgpu::CompareFunction::Always)
+        };
+        let inputs = by_regions.inputs("region", written);
+        let pass = MaskPass {
+            name: inputs.pass,
+            color: (&masks.mask, Some(wgpu::Color::WHITE)),
+            depth: (&depth, true),
+            level: 0.0,
+            area: light.area(frame, light.receivers),
+        };
+        self.draw_mask(frame, by_regions, &inputs, &pass)?;
+        Ok(depth)
+    }
+
+    fn region_texture(&self, frame: &mut FrameState<'_>) -> Result<wgpu::TextureView, RenderError> {
+        let size = picture_size(frame);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let texture = self
+            .gpu
+            .texture("the regions seen", size, 1, DEPTH, usage)?;
+        frame.report.mask_bytes += DEPTH.theoretical_memory_footprint(size);
+        Ok(texture.create_view(&Default::default()))
+    }
+}
+
+/// The light's receivers that may be seen between two view depths.
+fn seen_between<'a>(light: Masked<'a>, [start, end]: [f64; 2]) -> Vec<&'a Object> {
+    if end <= start {
+        return Vec::new();
+    }
+    let view = &light.shot.view;
+    let part = view.part_relative(start * (1.0 - PADDING), end * (1.0 + PADDING));
+    let near = |object: &Object| object.bounds.translate(-view.position);
+    let receivers = light.receivers.iter().copied();
+    receivers
+        .filter(|object| part.intersects(&near(object)))
+        .collect()
+}
+
+/// The members of the shader's block `regions`.
+fn ends(regions: &[Region]) -> Constants {
+    let last = regions.last();
+    let end = |i: usize| regions.get(i).or(last).map_or(0.0, |r| r.end as f32);
+    let four = |i: usize| Value::Vec4([0, 1, 2, 3].map(|j| end(4 * i + j)).into());
+    let all = (0..MAX_REGIONS.div_ceil(4)).map(four).collect();
+    Constants::new().with("ends", Value::Array(all))
+}
+
+/// Checks what a plan says of its regions.
+pub(super) fn check(setup: &MethodSetup<'_>, regions: &[Region]) -> Result<(), RenderError> {
+    if regions.len() > MAX_REGIONS {
+        let problem = format!(
+            "{} regions of view depth: {MAX_REGIONS} at the most",
+            regions.len()
+        );
+        return Err(bad_plan(setup, &problem));
+    }
+    let mut start = 0.0;
+    for Region { end, axes } in regions {
+        // NaN is not beyond.
+        if !(*end > start && end.is_finite()) {
+            let problem = format!("a region of view depth from {start} m to {end} m");
+            return Err(bad_plan(setup, &problem));
+        }
+        let known = setup.method.axes();
+        if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
+            let problem = format!("a region with the axis `{axis}`, which is none of its axes");
+            return Err(bad_plan(setup, &problem));
+        }
+        start = *end;
+    }
+    Ok(())
+}
