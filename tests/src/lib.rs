@@ -3,9 +3,11 @@
 
 mod air;
 mod colored;
+mod maps;
 mod oracle;
 mod stage;
 
 pub use colored::{Colored, colored_package};
+pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
 pub use stage::{Stage, stage};

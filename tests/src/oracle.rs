@@ -40,6 +40,8 @@ pub struct Oracle<'a> {
     triangles: Vec<Triangle>,
     plan: ShadowPlan,
     twin: Option<Twin>,
+    /// Whether bounds are read before the maps.
+    bounded: bool,
     /// What maps hold where it is not the nearest depth.
     midpoint: Option<MidpointTwin>,
     /// The least and greatest depth of the map's texels that were asked for.
@@ -109,6 +111,9 @@ impl<'a> Oracle<'a> {
         }
         let view = scene.camera.view(width, height);
         let light = &scene.lights.first()?;
+        let shadow = light.shadow.as_ref();
+        let filter = shadow.and_then(|shadow| shadow.axes.get("filter"));
+        let bounded = filter.is_some_and(|filter| filter != "pcf");
         let (plan, twin, midpoint) = match &light.shadow {
             None => (ShadowPlan::default(), None, None),
             Some(shadow) => {
@@ -171,6 +176,7 @@ impl<'a> Oracle<'a> {
             triangles,
             plan,
             twin,
+            bounded,
             midpoint,
             texels: RefCell::default(),
         })
@@ -243,12 +249,20 @@ impl<'a> Oracle<'a> {
         Ok((triangle.object, triangle.number))
     }
 
-    /// How many texture fetches the shadow term of the pixel takes: all that the plan promises where
-    /// it reads the map at all.
+    /// The least and the most texture fetches that the shadow term of the pixel takes: none where it reads no map, and
+    /// where it does, all that the plan promises; one at the least where what is read first may tell.
     ///
     /// # Errors
     /// What the pixel sees where that is no surface for sure.
-    pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
+    pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<[u32; 2], Pixel> {
+        let most = self.most_fetches(x, y, width, height)?;
+        if self.bounded {
+            return Ok([most.min(1), most.min(1) * self.plan.fetches_per_pixel]);
+        }
+        Ok([most; 2])
+    }
+
+    fn most_fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {
         let (position, normal) = self.receiver(x, y, width, height)?;
         let [least, most] = self.fetches_at(position, normal);
         if least == most {

@@ -169,6 +169,7 @@ fn light(
     };
     let axes: &[_] = match method {
         "pssm" => &[
+            "block",
             "depth",
             "filter",
             "fit",
@@ -179,7 +180,7 @@ fn light(
             "taper",
             "transition",
         ],
-        _ => &["depth", "filter", "pcf", "receiver_bias"],
+        _ => &["block", "depth", "filter", "pcf", "receiver_bias"],
     };
     let axes = axes.iter().map(|axis| {
         let value = library.axes().value(key, axis).unwrap_or("");

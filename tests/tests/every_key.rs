@@ -15,7 +15,7 @@ use std::{
 use rayon::prelude::*;
 use umbrage::{
     compose::{Composer, Key, Library, Manifest, Target},
-    render::{Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
+    render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
     shadow::Registry,
 };
 use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
@@ -27,7 +27,8 @@ const STEPS: u32 = 16;
 const RESOLUTION: u32 = 96;
 
 /// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 8] = [
+const SHADOW_AXES: [&str; 9] = [
+    "block",
     "depth",
     "filter",
     "lookup",
@@ -129,6 +130,7 @@ impl Studio {
         let drawn = self.staged(key);
         let what = match value("pass") {
             "illumination" | "base" | "haze" | "shafts" => What::Shaded,
+            "decision" => What::Decisions,
             "shaft_fetches" => What::ShaftFetches,
             "fetch_count" => What::Fetches,
             "triangle" => What::Triangles,
@@ -163,22 +165,32 @@ impl Studio {
             }
             (Picture::Fetches(counts), "shaft_fetches") => {
                 // Nowhere is nothing fetched.
-                compare_all(&drawn, &counts[0], -1.0, |oracle, x, y| {
+                let same = |expected: f32, found| expected == found;
+                compare_all(&drawn, &counts[0], -1.0, same, |oracle, x, y| {
                     let sure = oracle.air_fetches(x, y, SIZE, STEPS);
                     sure.map_err(|_| Pixel::Edge)
                 })
             }
             (Picture::Fetches(counts), _) => {
                 let promised = rendered.report.fetches_per_pixel;
-                compare_all(&drawn, &counts[0], 0.0, |oracle, x, y| {
-                    oracle.fetches(x, y, SIZE, SIZE).map(|count| count as f32)
+                let between = |[least, most]: [u32; 2], count: f32| {
+                    (least as f32..=most as f32).contains(&count)
+                };
+                compare_all(&drawn, &counts[0], [0; 2], between, |oracle, x, y| {
+                    oracle.fetches(x, y, SIZE, SIZE)
                 })
                 .or_else(|| exceeds(&counts[0], promised))
             }
-            (Picture::Triangles(seen), _) => compare_all(&drawn, seen, None, |oracle, x, y| {
-                let (object, triangle) = oracle.triangle(x, y, SIZE, SIZE)?;
-                Ok(Some((object as u32, triangle as u32)))
-            }),
+            (Picture::Triangles(seen), _) => {
+                let same = |expected, found| expected == found;
+                compare_all(&drawn, seen, None, same, |oracle, x, y| {
+                    let (object, triangle) = oracle.triangle(x, y, SIZE, SIZE)?;
+                    Ok(Some((object as u32, triangle as u32)))
+                })
+            }
+            (Picture::Decisions(decisions), _) => {
+                misjudged(&self.expected(key, &drawn), &decisions[0])
+            }
             (Picture::Shaded(colors), "haze") => {
                 compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
                     // The background is black.
@@ -236,6 +248,7 @@ impl Studio {
     fn expected(&mut self, key: &Key, drawn: &Stage) -> Vec<Pixel> {
         let axes = self.composer.library().axes();
         let known = [
+            "block",
             "light",
             "method",
             "pcf",
@@ -342,11 +355,12 @@ fn compare(
 
 /// How what was rendered differs from what the oracle says of each pixel. Where nothing is seen it is
 /// `nothing`.
-fn compare_all<T: PartialEq + Copy + std::fmt::Debug>(
+fn compare_all<E: Copy + std::fmt::Debug + PartialEq, T: Copy + std::fmt::Debug>(
     drawn: &Stage,
     rendered: &[T],
-    nothing: T,
-    expected: impl Fn(&Oracle<'_>, u32, u32) -> Result<T, Pixel>,
+    nothing: E,
+    holds: impl Fn(E, T) -> bool,
+    expected: impl Fn(&Oracle<'_>, u32, u32) -> Result<E, Pixel>,
 ) -> Option<String> {
     let registry = registry();
     let oracle = Oracle::new(drawn, &registry, SIZE, SIZE).expect("the oracle knows the method");
@@ -368,7 +382,7 @@ fn compare_all<T: PartialEq + Copy + std::fmt::Debug>(
             Err(_) => continue,
         };
         compared += 1;
-        if expected != *rendered {
+        if !holds(expected, *rendered) {
             wrong.push((pixel % SIZE, pixel / SIZE, expected, *rendered));
         }
     }
@@ -379,6 +393,25 @@ fn compare_all<T: PartialEq + Copy + std::fmt::Debug>(
             wrong.len()
         )
     })
+}
+
+/// How decisions differ from what is expected: what is decided at once is all light, or none.
+fn misjudged(expected: &[Pixel], decisions: &[Decision]) -> Option<String> {
+    let (mut decided, mut wrong) = (0, 0);
+    for (expected, decision) in expected.iter().zip(decisions) {
+        let lit = match decision {
+            Decision::LitByDepth | Decision::LitByPlane => true,
+            Decision::ShadowedByDepth | Decision::ShadowedByPlane => false,
+            Decision::Unasked | Decision::Filtered => continue,
+        };
+        decided += 1;
+        wrong += u32::from(match *expected {
+            Pixel::Term(_, lightest) if lit => lightest < 1.0 - ROUNDING,
+            Pixel::Term(darkest, _) => darkest > ROUNDING,
+            Pixel::Background | Pixel::Edge => false,
+        });
+    }
+    (decided == 0 || wrong > 0).then(|| format!("{wrong} of {decided} decisions are wrong"))
 }
 
 /// Whether some count is more than its method promised.

@@ -5,6 +5,9 @@
     reason = "a benchmark reports on standard output"
 )]
 
+#[path = "methods/bounds.rs"]
+mod bounds;
+
 use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
 
 use serde::Serialize;
@@ -15,7 +18,7 @@ use umbrage_measure::{
     report::{Row, Spread},
     study::{CompareOptions, Config, Lab, compare},
 };
-use umbrage_render::{Gpu, Scene};
+use umbrage_render::{Gpu, Renderer, Scene};
 
 /// The ways in which `pssm` finds a split's map, the naive one first.
 const LOOKUPS: [&str; 7] = [
@@ -55,6 +58,8 @@ struct Report {
     /// Shading time of each of the values of `filter` that read exponential maps, over that of 15 x 15 comparisons.
     esm15_variants_over_pcf15: BTreeMap<&'static str, f64>,
     variants: BTreeMap<&'static str, Variant>,
+    #[serde(flatten)]
+    bounds: bounds::Report,
 }
 
 #[derive(Serialize)]
@@ -76,9 +81,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let composer = Arc::new(Composer::new(library, Target::webgpu()));
     let gpu = Arc::new(Gpu::new()?);
     let methods = umbrage_methods::registry()?;
+    let mut renderer = Renderer::new(Arc::clone(&gpu), Arc::clone(&composer), methods.clone());
     let mut lab = Lab::new(gpu, Arc::clone(&composer), methods);
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenes");
     let scene = Scene::load(scenes.join("avenue.ron"))?;
+    let bounds = bounds::measure(&mut renderer, &scenes)?;
+    bounds.print();
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
@@ -104,7 +112,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for lookup in LOOKUPS {
         costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
     }
-    let report = report(lab.adapter(), family, rows, &costs)?;
+    let report = report(lab.adapter(), family, rows, &costs, bounds)?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -210,6 +218,7 @@ fn report(
     family: &str,
     rows: &[Row],
     costs: &BTreeMap<&str, umbrage_isa::Isa>,
+    bounds: bounds::Report,
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -255,5 +264,6 @@ fn report(
         esm15_over_pcf15_with_maps: with_maps("esm")? / with_maps("pcf")?,
         esm15_variants_over_pcf15: wide,
         variants,
+        bounds,
     })
 }

@@ -166,6 +166,8 @@ pub(crate) enum What {
     Triangles,
     /// The texture fetches of the shadow term: white where they are most, black where there are none.
     Fetches,
+    /// How the shadow term was found, in false colours: red by filtering, yellow as lit at once, blue as shadowed.
+    Decisions,
     /// The texture fetches of the light that the air scatters: white where they are most, black where there are none.
     ShaftFetches,
     /// The lit scene, with a hue for each of the shadow maps that a light's splits have.

@@ -92,6 +92,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::ShadowTerm => render::What::ShadowTerm,
             What::Triangles => render::What::Triangles,
             What::Fetches => render::What::Fetches,
+            What::Decisions => render::What::Decisions,
             What::ShaftFetches => render::What::ShaftFetches,
             What::Splits => render::What::Splits,
         },

@@ -81,7 +81,7 @@ impl ShadowMethod for Basic {
     }
 
     fn axes(&self) -> &[&str] {
-        &["depth", "filter", "pcf", "receiver_bias"]
+        &["block", "depth", "filter", "pcf", "receiver_bias"]
     }
 
     fn supports(&self, _: &Light) -> Support {

@@ -13,6 +13,7 @@ use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
     esm::{self, Esm},
+    hpsm::{self, Bounds},
     job::{self, Bias},
     midpoint::{Midpoint, Need},
 };
@@ -101,6 +102,8 @@ pub(crate) struct Reading {
     filter: Filter,
     /// The filter's width in the first map, texels: the axis `pcf`.
     pub width: u32,
+    /// The side of a block, texels: the axis `block`.
+    block: u32,
     /// Whether what is compared follows the receiver's plane: the axis `receiver_bias`.
     plane: bool,
     /// Whether it is two texels less from map to map.
@@ -114,11 +117,20 @@ enum Depth {
     Nearest,
 }
 
-/// The axis `filter`.
+/// The values of the axis `filter`.
+#[derive(Clone, Copy)]
+enum Asked {
+    Bounded(Bounds),
+    Esm(esm::Kind),
+    Pcf,
+}
+
+/// The axis `filter`, with the numbers that belong to its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Filter {
-    Pcf,
+    Bounded(Bounds),
     Esm(Esm),
+    Pcf,
 }
 
 impl Reading {
@@ -128,11 +140,15 @@ impl Reading {
         ("midpoint_two_passes", Depth::Midpoint(Midpoint::TwoPasses)),
         ("nearest", Depth::Nearest),
     ];
-    const FILTERS: [(&'static str, Option<esm::Kind>); 4] = [
-        ("esm", Some(esm::Kind::Full)),
-        ("esm_half", Some(esm::Kind::Half)),
-        ("esm_log", Some(esm::Kind::Log)),
-        ("pcf", None),
+    const FILTERS: [(&'static str, Asked); 8] = [
+        ("esm", Asked::Esm(esm::Kind::Full)),
+        ("esm_half", Asked::Esm(esm::Kind::Half)),
+        ("esm_log", Asked::Esm(esm::Kind::Log)),
+        ("hpsm", Asked::Bounded(Bounds::Hpsm)),
+        ("hpsm_naive", Asked::Bounded(Bounds::HpsmNaive)),
+        ("min_max", Asked::Bounded(Bounds::MinMax)),
+        ("min_max_tree", Asked::Bounded(Bounds::MinMaxTree)),
+        ("pcf", Asked::Pcf),
     ];
 
     /// That of a frame.
@@ -140,9 +156,11 @@ impl Reading {
         let reading = Self {
             depth: job::choice(frame, "depth", &Self::DEPTHS)?,
             filter: match job::choice(frame, "filter", &Self::FILTERS)? {
-                Some(kind) => Filter::Esm(Esm::of(frame, kind)?),
-                None => Filter::Pcf,
+                Asked::Bounded(bounds) => Filter::Bounded(bounds),
+                Asked::Esm(kind) => Filter::Esm(Esm::of(frame, kind)?),
+                Asked::Pcf => Filter::Pcf,
             },
+            block: hpsm::block(frame)?,
             width: job::filter_width(frame)?,
             plane: job::axis(frame, "receiver_bias") == "plane",
             taper: false,
@@ -204,6 +222,7 @@ impl Reading {
             Depth::Nearest => nearest(plan, sheet),
         }
         match self.filter {
+            Filter::Bounded(bounds) => bounds.add(plan, sheet, self.width, self.block),
             Filter::Pcf => {}
             Filter::Esm(esm) => esm.add(plan, sheet, |map| self.width_of(map)),
         }
@@ -219,9 +238,12 @@ impl Reading {
 
     /// The most fetches that one question to a map takes, by the map's number.
     pub(crate) fn fetches(self, map: usize) -> u32 {
+        let pcf = self.width_of(map).div_ceil(2).pow(2) * self.fetches_a_comparison();
         match self.filter {
-            Filter::Pcf => self.width_of(map).div_ceil(2).pow(2) * self.fetches_a_comparison(),
+            // The bounds are those of the widest filter.
+            Filter::Bounded(bounds) => bounds.fetches(self.width, self.block) + pcf,
             Filter::Esm(esm) => esm.fetches(),
+            Filter::Pcf => pcf,
         }
     }
 

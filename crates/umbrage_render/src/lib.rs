@@ -53,7 +53,7 @@ mod scene;
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
 pub use pack::{PackError, pack, pack_buffer};
-pub use picture::{PassTime, PermutationUse, Picture, Rendered, Report};
+pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight, Shadow,

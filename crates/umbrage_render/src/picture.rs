@@ -35,6 +35,8 @@ pub enum Picture {
     /// For each light how many texture fetches its shadow term takes, 0 where there is nothing to see; or its shafts
     /// take, 0 where the light does not reach the air that is seen.
     Fetches(Vec<Vec<f32>>),
+    /// For each light how its shadow term was found.
+    Decisions(Vec<Vec<Decision>>),
     /// Which of several shadow maps is read.
     Splits {
         /// Linear RGB.
@@ -43,6 +45,57 @@ pub enum Picture {
         /// there is nothing to see, no shadow any more, or one map for all depths.
         splits: Vec<Vec<Option<u32>>>,
     },
+}
+
+/// How a pixel's shadow term was found: what the filter that was asked last noted of it, in the shader library's
+/// `common/decision.wesl`.
+#[derive(serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[serde(rename_all = "snake_case")]
+pub enum Decision {
+    /// No map was asked, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
+    /// all maps.
+    #[default]
+    Unasked,
+    /// By filtering all of the receiver's footprint.
+    Filtered,
+    /// Lit, as no depth around is greater.
+    LitByDepth,
+    /// Lit, as it lies before a plane that no depth around is before.
+    LitByPlane,
+    /// In shadow, as all depths around are greater.
+    ShadowedByDepth,
+    /// In shadow, as it lies behind a plane that all depths around are before.
+    ShadowedByPlane,
+}
+
+impl Decision {
+    /// All, by the shader's numbers.
+    pub const ALL: [Self; 6] = [
+        Self::Unasked,
+        Self::Filtered,
+        Self::LitByDepth,
+        Self::LitByPlane,
+        Self::ShadowedByDepth,
+        Self::ShadowedByPlane,
+    ];
+
+    /// That with the shader's `number`.
+    pub(crate) fn of(number: f32) -> Self {
+        let known = Self::ALL.get(number as usize);
+        known.copied().unwrap_or_default()
+    }
+
+    /// Its false colour, sRGB: black, red, light and dark yellow for light, light and dark blue for shadow.
+    fn color(self) -> [u8; 3] {
+        match self {
+            Self::Unasked => [0, 0, 0],
+            Self::Filtered => [220, 50, 47],
+            Self::LitByDepth => [255, 250, 205],
+            Self::LitByPlane => [240, 190, 40],
+            Self::ShadowedByDepth => [125, 200, 235],
+            Self::ShadowedByPlane => [30, 90, 160],
+        }
+    }
 }
 
 /// How a picture came about.
@@ -150,8 +203,10 @@ impl Picture {
     /// The picture of the given size in 8 bits: a shaded one in RGB, clamped to 0..1 without exposure
     /// or tone mapping and encoded as sRGB; a shadow term as grey, the product over the lights, not
     /// encoded: code 255 is lit; triangles each in a colour of its own, black where there is none;
-    /// fetches as grey, the sum over the lights, code 255 for the most in the picture; splits as a shaded picture
-    /// that each has a hue of its own in, by the first light that has some.
+    /// fetches as grey, the sum over the lights, code 255 for the most in the picture; decisions in false colours, the
+    /// mean over the lights: black where no map was asked, red where it was filtered, yellow where the term was light
+    /// at once and blue where it was shadow, the darker ones by planes; splits as a shaded picture that each has a hue
+    /// of its own in, by the first light that has some.
     pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         match self {
@@ -191,6 +246,13 @@ impl Picture {
                 })
                 .into()
             }
+            Self::Decisions(lights) => image::RgbImage::from_fn(width, height, |x, y| {
+                let decisions = lights.iter().filter_map(|light| light.get(index(x, y)));
+                let colors = decisions.map(|decision| decision.color().map(u32::from));
+                let sum = colors.fold([0; 3], |[r, g, b], [s, t, u]| [r + s, g + t, b + u]);
+                image::Rgb(sum.map(|sum| (sum / lights.len().max(1) as u32) as u8))
+            })
+            .into(),
         }
     }
 
@@ -339,6 +401,30 @@ mod tests {
         assert_eq!(image.to_image().into_luma8().into_raw(), [255, 64]);
         let none = rendered(Picture::Fetches(vec![vec![0.0, 0.0]]));
         assert_eq!(none.to_image().into_luma8().into_raw(), [0, 0]);
+    }
+
+    #[test]
+    fn decisions_have_colours_of_their_own() {
+        let picture = Picture::Decisions(vec![
+            vec![Decision::Filtered, Decision::Unasked],
+            vec![Decision::Filtered, Decision::LitByDepth],
+        ]);
+        let image = rendered(picture).to_image().into_rgb8();
+        assert_eq!(image.into_raw(), [220, 50, 47, 127, 125, 102]);
+        let mut colors = Decision::ALL.map(Decision::color).to_vec();
+        colors.sort_unstable();
+        colors.dedup();
+        assert_eq!(colors.len(), Decision::ALL.len());
+        // By the shader's numbers, and what is none of them.
+        assert_eq!(
+            [0.0, 1.0, 5.0, 9.0].map(Decision::of),
+            [
+                Decision::Unasked,
+                Decision::Filtered,
+                Decision::ShadowedByPlane,
+                Decision::Unasked,
+            ]
+        );
     }
 
     #[test]

@@ -63,8 +63,11 @@ impl Case {
     }
 
     /// How `variant`, which is of `method`, is asked to render this case: as it is, but for what makes the
-    /// case. Or why it is not, as the two do not go together.
-    pub(crate) fn options(
+    /// case.
+    ///
+    /// # Errors
+    /// Why it is not, as the two do not go together.
+    pub fn options(
         &self,
         variant: &Config,
         method: &dyn ShadowMethod,

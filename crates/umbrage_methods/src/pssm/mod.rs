@@ -153,6 +153,7 @@ impl ShadowMethod for Pssm {
 
     fn axes(&self) -> &[&str] {
         &[
+            "block",
             "depth",
             "filter",
             "fit",

@@ -16,6 +16,7 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         ("pcf".to_owned(), scene.width.to_string()),
         ("receiver_bias".to_owned(), "plane".to_owned()),
         ("depth".to_owned(), "nearest".to_owned()),
+        ("block".to_owned(), "4".to_owned()),
         ("filter".to_owned(), "pcf".to_owned()),
     ]);
     Basic.plan(&Frame {

@@ -194,7 +194,7 @@ fn what_cannot_be_asked_is_told() {
     let refused = cube.plan_with(&Basic).expect_err("refused");
     assert_eq!(
         refused.to_string(),
-        "the axis `filter` is esm_log, but must be `pcf` for a point light, whose map is a cube"
+        "the axis `filter` is esm_log, but must be pcf under a point light, whose cube map knows no other"
     );
 }
 

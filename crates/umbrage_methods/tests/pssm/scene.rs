@@ -21,6 +21,7 @@ impl Scene {
     pub(crate) fn new(kind: LightKind) -> Self {
         let axes = [
             ("depth", "nearest"),
+            ("block", "4"),
             ("filter", "pcf"),
             ("fit", "stable"),
             ("lookup", "packed"),

@@ -16,7 +16,7 @@ use super::{
     seen::PLANE,
     target::{DEPTH, Target},
 };
-use crate::{Picture, RenderError};
+use crate::{Decision, Picture, RenderError};
 
 /// A light as it is in a picture, with its shadow maps.
 pub(super) struct Lamp<'a> {
@@ -99,6 +99,18 @@ impl Renderer {
     ) -> Result<Picture, RenderError> {
         let counts = self.by_light(frame, shot, "fetch_count", wgpu::Color::TRANSPARENT)?;
         Ok(Picture::Fetches(counts))
+    }
+
+    pub(super) fn decisions(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+    ) -> Result<Picture, RenderError> {
+        let numbers = self.by_light(frame, shot, "decision", wgpu::Color::TRANSPARENT)?;
+        let decisions = |light: Vec<f32>| light.into_iter().map(Decision::of).collect();
+        Ok(Picture::Decisions(
+            numbers.into_iter().map(decisions).collect(),
+        ))
     }
 
     /// What `pass` gives for each light and pixel; red's `clear` where nothing is seen.

@@ -96,6 +96,8 @@ pub enum What {
     Triangles,
     /// For each light the texture fetches that its shadow term takes, counted on the device.
     Fetches,
+    /// For each light how its shadow term was found: see [`Decision`](crate::Decision).
+    Decisions,
     /// For each light the texture fetches that its shafts take: for every step those of the shadow term and of a
     /// cookie, and one for the depth of what is seen.
     ShaftFetches,
@@ -259,6 +261,7 @@ impl Renderer {
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
             What::Triangles => self.triangles(&mut frame, &shot)?,
             What::Fetches => self.fetches(&mut frame, &shot)?,
+            What::Decisions => self.decisions(&mut frame, &shot)?,
             What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
             What::Splits => self.splits(&mut frame, &shot)?,
         };
