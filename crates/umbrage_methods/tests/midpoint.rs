@@ -28,7 +28,9 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
         ("fit", "stable"),
         ("lookup", "packed"),
         ("pcf", "3"),
+        ("range", "boxes"),
         ("receiver_bias", "plane"),
+        ("taper", "off"),
         ("transition", "hard"),
     ];
     let boxes = [
