@@ -23,6 +23,7 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
     let registry = registry().expect("names are unique");
     let method = registry.get(method).expect("a method");
     let axes = [
+        ("block", "4"),
         ("depth", depth),
         ("filter", "pcf"),
         ("fit", "stable"),
