@@ -51,6 +51,21 @@ fn every_variant_meets_its_limits_and_needs_its_exceptions() {
     }
     assert!(faults.is_empty(), "{faults:#?}");
 
+    let spared: BTreeSet<_> = (stressed.results.iter())
+        .flat_map(|r| {
+            r.verdict
+                .spared
+                .iter()
+                .map(|f| (r.variant.as_str(), f.as_str()))
+        })
+        .collect();
+    for own in limits.throughout() {
+        assert!(
+            spared.contains(&own),
+            "{own:?} is not needed throughout; take it out of limits.ron"
+        );
+    }
+
     // Nothing was passed over in silence.
     let tried: BTreeSet<_> = (stressed.results.iter())
         .map(|result| (result.case, result.variant.as_str()))

@@ -37,9 +37,9 @@
 //!
 //! `depth_bias` and `receiver_bias` do nothing. They keep texels of a receiver from shading it, and of an exponential
 //! map none does that is a plane: the mean of its texels' distances is its own, and the exponential of a mean is at
-//! most the mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by exp(4.6 b / (2 W
-//! + 2)), and a shadow's edge is lit where its share of a window is. Only what rounding may be is added to a
-//! receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
+//! most the mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by
+//! exp(4.6 b / (2 W + 2)), and a shadow's edge is lit where its share of a window is. Only what rounding may be is
+//! added to a receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
 //! cut off by the map's edge and its mean is not its own.
 //!
 //! By how much the mean is more is what a slope adds: the term on a plane whose distance grows by s_x and s_y of the

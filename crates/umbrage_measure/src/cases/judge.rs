@@ -27,6 +27,8 @@ pub struct Verdict {
     /// Figures that it is excepted from without need, as it meets the limit for all: the table must not
     /// list them.
     pub unnecessary: Vec<String>,
+    /// Figures that meet the variant's own limit in all cases, and not the one for all variants.
+    pub spared: Vec<String>,
 }
 
 /// A limit that is missed.
@@ -60,12 +62,19 @@ impl Limits {
         let exceptions = self.entry(&limits.exceptions, variant);
         let mut missed = Vec::new();
         let mut unnecessary = Vec::new();
+        let mut spared = Vec::new();
 
-        for (figure, limit) in self.general(limits) {
+        for (figure, general) in self.general(limits) {
             let Figure(name) = figure;
             let found = values.get(name);
             let may_lack = !limits.any.contains_key(&figure) && is_optional(name);
-            let holds = found.map_or(may_lack, |found| limit.holds(found));
+            let meets = |limit: &Limit| found.map_or(may_lack, |found| limit.holds(found));
+            let own = self.looser(variant, figure, &general);
+            if own.is_some_and(&meets) && !meets(&general) {
+                spared.push(name.to_owned());
+            }
+            let limit = own.cloned().unwrap_or(general);
+            let holds = meets(&limit);
             let reason = exceptions.and_then(|e| e.0.get(&Excepted(figure)));
             match (holds, reason) {
                 (true, None) => {}
@@ -100,6 +109,7 @@ impl Limits {
             exception: (!reasons.is_empty()).then(|| reasons.join("; ")),
             missed,
             unnecessary,
+            spared,
         })
     }
 }

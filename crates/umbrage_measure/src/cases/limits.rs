@@ -15,6 +15,9 @@ use crate::study::Config;
 /// `any`, which stand in their place, and its own under `methods`. What it cannot meet is listed
 /// under `exceptions` with the reason; its own limit then says how far it may go.
 ///
+/// What a variant cannot be by its nature it says once: its own limits `throughout` stand in the place of all
+/// that are stricter.
+///
 /// A variant that is `like` another takes that one's limits and exceptions over, case by case, where it has none
 /// of its own. Each exception must be needed by each variant that has it.
 #[derive(Clone, Debug)]
@@ -34,6 +37,9 @@ struct Table {
     /// For all variants in all cases, wherever the case has the figure.
     #[serde(deserialize_with = "RonFile::unique")]
     every: Bounds,
+    /// For one variant in all cases, where those for all are stricter.
+    #[serde(default, deserialize_with = "RonFile::unique")]
+    throughout: BTreeMap<String, OwnLimits>,
     #[serde(deserialize_with = "RonFile::unique")]
     cases: BTreeMap<CaseName, CaseLimits>,
 }
@@ -188,6 +194,18 @@ impl Limits {
         self.table.general(case)
     }
 
+    /// The limit that a variant has of its own in all cases, where it is looser than `general`.
+    pub(super) fn looser(&self, variant: &str, figure: Figure, general: &Limit) -> Option<&Limit> {
+        let own = self.table.throughout.get(variant)?.0.get(&figure)?;
+        general.is_stricter_than(own).then_some(own)
+    }
+
+    /// The variants that have limits of their own in all cases, and the figures.
+    pub fn throughout(&self) -> impl Iterator<Item = (&str, &'static str)> {
+        let variants = self.table.throughout.iter();
+        variants.flat_map(|(variant, own)| own.0.keys().map(|figure| (variant.as_str(), figure.0)))
+    }
+
     /// What `entries` has for `variant`.
     pub(super) fn entry<'a, T>(
         &'a self,
@@ -258,6 +276,10 @@ impl Table {
                 let message = format!("two variants are called `{name}`; rename one");
                 return Err((self.words_to(index), message));
             }
+        }
+        for variant in self.throughout.keys() {
+            self.check_name(variant)
+                .map_err(|message| (vec!["throughout", variant.as_str()], message))?;
         }
         for (name, other) in &self.like {
             for known in [name, other] {
