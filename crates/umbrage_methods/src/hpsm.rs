@@ -80,6 +80,9 @@ use crate::{
     maps::{Sheet, texture},
 };
 
+/// The width of the widest filter, texels.
+const WIDEST: u32 = 15;
+
 /// The format of slabs.
 const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 
@@ -117,7 +120,8 @@ impl Bounds {
         let [columns, rows] = sheet.size.map(|texels| texels / side);
         let across = match self {
             Self::Hpsm | Self::HpsmNaive | Self::MinMax => blocks,
-            Self::MinMaxTree => (0..levels(width, block))
+            // Room for those of the widest filter: narrower ones may read what was built for a wider.
+            Self::MinMaxTree => (0..levels(WIDEST, block))
                 .map(|level| blocks.div_ceil(1 << level))
                 .sum(),
         };
