@@ -442,3 +442,41 @@ fn every_permutation_is_drawn_as_the_oracle_says() {
         faults.join("\n")
     );
 }
+
+/// What no permutation tells apart: formats, lights, and the widths of maps that are filtered before they are read.
+#[test]
+fn exponential_maps_are_read_as_the_oracle_says() {
+    let mut keys = Vec::new();
+    let library = library();
+    for method in ["basic", "pssm"] {
+        for (filter, light, pcf) in [
+            ("esm", "directional", "3"),
+            ("esm", "spot", "15"),
+            ("esm_half", "directional", "15"),
+            ("esm_half", "spot", "3"),
+            ("esm_log", "directional", "15"),
+            ("esm_log", "spot", "3"),
+            ("esm_log", "spot", "1"),
+        ] {
+            let key = library.key([
+                ("pass", "shadow_term"),
+                ("method", method),
+                ("filter", filter),
+                ("light", light),
+                ("pcf", pcf),
+            ]);
+            keys.push(key.unwrap_or_else(|error| panic!("{error}")));
+        }
+    }
+    let tapered = library.key([
+        ("pass", "shadow_term"),
+        ("method", "pssm"),
+        ("filter", "esm"),
+        ("pcf", "5"),
+        ("taper", "on"),
+    ]);
+    keys.push(tapered.unwrap_or_else(|error| panic!("{error}")));
+    let mut studio = Studio::new();
+    let faults: Vec<_> = keys.iter().filter_map(|key| studio.check(key)).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -108,7 +108,10 @@ fn terms(
 /// devices.
 fn apart(a: &[f32], b: &[f32]) -> usize {
     let pairs = a.iter().zip(b);
-    pairs.filter(|(a, b)| !((*a - *b).abs() < 0.01)).count()
+    let apart = pairs.map(|(a, b)| (a - b).abs());
+    apart
+        .filter(|apart| apart.is_nan() || *apart > 0.01)
+        .count()
 }
 
 fn dark(terms: &[f32]) -> usize {

@@ -22,7 +22,7 @@
 //! grid, 1/256 texel on most devices: at a slope of 19 that is 19 · √2 / 512 = 0.05 texels. What else it has to cover is that a curved receiver is no plane: a
 //! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
 //! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
-//! filter's width.
+//! filter's width. Exponential maps, values of `filter`, and their `exponent` are [`crate::esm`]'s; they take no bias.
 //!
 //! # Cost
 //! One map and one pass; six passes for a cube. ((W + 1) / 2)² fetches a pixel for width W, W² from a
@@ -42,15 +42,16 @@ use umbrage_shadow::{
 };
 
 use crate::{
+    esm,
     job::{self, Bias, Boxes, NEAREST, PADDING},
-    maps::{self, DEPTH, MAP, Map, Reading, Sheet},
+    maps::{self, DEPTH, MAP, Map, Range, Reading, Sheet},
 };
 
 /// The method `basic`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Basic;
 
-const SETTINGS: [Setting; 2] = [
+const SETTINGS: [Setting; 3] = [
     Setting {
         name: "resolution",
         doc: "texels along each side of the map",
@@ -67,6 +68,7 @@ const SETTINGS: [Setting; 2] = [
         default: 1.5,
         whole: false,
     },
+    esm::EXPONENT,
 ];
 
 impl ShadowMethod for Basic {
@@ -102,10 +104,7 @@ impl ShadowMethod for Basic {
                 outer_angle,
                 range,
             ),
-            LightKind::Point { position, range } => {
-                job.reading.check_cube()?;
-                job.point(position - job.boxes.origin, range)
-            }
+            LightKind::Point { position, range } => job.point(position - job.boxes.origin, range),
         };
         Ok(plan)
     }
@@ -122,11 +121,13 @@ struct Job {
 impl Job {
     fn new(frame: &Frame<'_>) -> Result<Self, PlanError> {
         job::check(frame, &SETTINGS)?;
+        let reading = Reading::of(frame)?;
+        let resolution = frame.settings.get("resolution") as u32;
         Ok(Self {
-            reading: Reading::of(frame)?,
+            reading,
             boxes: Boxes::new(frame),
-            resolution: frame.settings.get("resolution") as u32,
-            depth_bias: frame.settings.get("depth_bias"),
+            resolution,
+            depth_bias: reading.depth_bias(frame.settings.get("depth_bias"), resolution),
         })
     }
 
@@ -220,6 +221,7 @@ impl Job {
                     casters: beam.casters,
                     receivers: None,
                     bias,
+                    range: Range::new(lens, &all, self.resolution),
                 };
                 let mut pass = maps::casters(&map, MAP);
                 if let Some(depth) = &mut pass.depth {
@@ -265,6 +267,7 @@ impl Job {
             casters,
             receivers: None,
             bias,
+            range: Range::new(lens, seen, self.resolution),
         };
         let sheet = Sheet {
             size: [self.resolution; 2],

@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec2, DVec3, Mat4};
 use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
 
-use crate::twin_filter::Filter;
+use crate::{esm_twin::EsmTwin, twin_filter::Filter};
 
 /// The shader's constant of this name.
 const STEEPEST: f64 = 19.0;
@@ -22,6 +22,7 @@ pub struct BasicTwin {
     /// Whether the depth compared follows the receiver's plane.
     receiver_plane: bool,
     bias: DVec2,
+    esm: Option<EsmTwin>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -59,12 +60,15 @@ impl BasicTwin {
             }
         };
         let size = plan.textures.first()?.width;
+        let esm = EsmTwin::new(plan);
         Some(Self {
             map,
             size,
             width,
-            receiver_plane,
+            // Exponential maps are asked about a point.
+            receiver_plane: receiver_plane && esm.is_none(),
             bias: pair(constants, "bias")?,
+            esm,
         })
     }
 
@@ -99,7 +103,8 @@ impl BasicTwin {
                 let plane = plane_to_map.as_dmat4() * normal.extend(-normal.dot(position_ws));
                 let width = texel_depth.x + texel_depth.y * at.z;
                 let slope = self.slope(plane.truncate(), width);
-                self.filter_2d(at, slope, |x, y| depth_at(0, x, y))
+                let to_map = world_to_map.as_dmat4();
+                self.filter_2d(at, slope, to_map, |x, y| depth_at(0, x, y))
             }
             Map::Cube {
                 light_position,
@@ -119,7 +124,13 @@ impl BasicTwin {
         }
     }
 
-    fn filter_2d(&self, at: DVec3, slope: DVec2, depth_at: impl Fn(u32, u32) -> f32) -> f64 {
+    fn filter_2d(
+        &self,
+        at: DVec3,
+        slope: DVec2,
+        to_map: DMat4,
+        depth_at: impl Fn(u32, u32) -> f32,
+    ) -> f64 {
         let size = f64::from(self.size);
         let lean = slope.abs().element_sum() / size;
         let depth = at.z + self.bias.x + self.bias.y * at.z + lean;
@@ -127,7 +138,12 @@ impl BasicTwin {
             width: self.width,
             size: self.size,
         };
-        filter.lit(at.truncate() * size, depth, slope / size, depth_at)
+        let place = at.truncate() * size;
+        if let Some(esm) = &self.esm {
+            let to_texels = DMat4::from_scale(DVec3::new(size, size, 1.0)) * to_map;
+            return esm.lit(0, filter, (place, depth), to_texels, depth_at);
+        }
+        filter.lit(place, depth, slope / size, depth_at)
     }
 
     fn filter_cube(

@@ -6,6 +6,8 @@
 
 pub mod basic;
 pub mod basic_twin;
+pub mod esm;
+mod esm_twin;
 pub mod hpsm;
 mod job;
 mod maps;

@@ -6,12 +6,13 @@
 
 use glam::{DMat4, DVec2};
 use umbrage_shadow::{
-    CasterPass, DepthTarget, Frame, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc,
-    TextureShape, Viewport,
+    CasterPass, DepthTarget, Extent, Frame, Lens, LightKind, Pass, PlanError, SamplerDesc,
+    ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
+    esm::{self, Esm},
     hpsm::{self, Bounds},
     job::{self, Bias},
     midpoint::{Midpoint, Need},
@@ -54,10 +55,48 @@ pub(crate) struct Map {
     pub receivers: Option<[f64; 2]>,
     /// What keeps its receivers from shading themselves.
     pub bias: Bias,
+    /// The distances that it holds.
+    pub range: Range,
+}
+
+/// What a map's depths stand for: distances from the light along its axis, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    /// Depth 1.
+    pub near: f64,
+    /// Depth 0.
+    pub far: f64,
+    /// Whether depth is linear in one over the distance, and not in the distance.
+    pub perspective: bool,
+    /// The width of a texel at the far end.
+    pub texel: f64,
+}
+
+impl Range {
+    /// That of a map of what is `seen`, with `side` texels.
+    pub(crate) fn new(lens: &Lens, seen: &Extent, side: u32) -> Self {
+        let perspective = lens.is_perspective();
+        let spread = if perspective { seen.far } else { 1.0 };
+        Self {
+            near: seen.near,
+            far: seen.far,
+            perspective,
+            texel: spread * seen.rect.size().max_element() / f64::from(side),
+        }
+    }
+
+    /// A depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far: A + B / d solved for d.
+    pub(crate) fn ratio(&self) -> f64 {
+        if self.perspective {
+            (self.far - self.near) / self.near
+        } else {
+            0.0
+        }
+    }
 }
 
 /// How maps are read: which depth they hold, and how they are asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     depth: Depth,
     filter: Filter,
@@ -78,10 +117,19 @@ enum Depth {
     Nearest,
 }
 
-/// The axis `filter`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The values of the axis `filter`.
+#[derive(Clone, Copy)]
+enum Asked {
+    Bounded(Bounds),
+    Esm(esm::Kind),
+    Pcf,
+}
+
+/// The axis `filter`, with the numbers that belong to its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Filter {
     Bounded(Bounds),
+    Esm(Esm),
     Pcf,
 }
 
@@ -92,33 +140,33 @@ impl Reading {
         ("midpoint_two_passes", Depth::Midpoint(Midpoint::TwoPasses)),
         ("nearest", Depth::Nearest),
     ];
-    const FILTERS: [(&'static str, Filter); 5] = [
-        ("hpsm", Filter::Bounded(Bounds::Hpsm)),
-        ("hpsm_naive", Filter::Bounded(Bounds::HpsmNaive)),
-        ("min_max", Filter::Bounded(Bounds::MinMax)),
-        ("min_max_tree", Filter::Bounded(Bounds::MinMaxTree)),
-        ("pcf", Filter::Pcf),
+    const FILTERS: [(&'static str, Asked); 8] = [
+        ("esm", Asked::Esm(esm::Kind::Full)),
+        ("esm_half", Asked::Esm(esm::Kind::Half)),
+        ("esm_log", Asked::Esm(esm::Kind::Log)),
+        ("hpsm", Asked::Bounded(Bounds::Hpsm)),
+        ("hpsm_naive", Asked::Bounded(Bounds::HpsmNaive)),
+        ("min_max", Asked::Bounded(Bounds::MinMax)),
+        ("min_max_tree", Asked::Bounded(Bounds::MinMaxTree)),
+        ("pcf", Asked::Pcf),
     ];
 
     /// That of a frame.
     pub(crate) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
-        let depth = job::choice(frame, "depth", &Self::DEPTHS)?;
-        let filter = job::choice(frame, "filter", &Self::FILTERS)?;
-        let sampled = depth == Depth::Midpoint(Midpoint::Sampled);
-        PlanError::check(
-            !(sampled && matches!(filter, Filter::Bounded(_))),
-            "the axis `filter`",
-            name_of(filter, &Self::FILTERS),
-            "pcf where `depth` is `midpoint_sampled`, of which no map is made that could be bounded; or choose `midpoint`",
-        )?;
-        Ok(Self {
-            depth,
-            filter,
+        let reading = Self {
+            depth: job::choice(frame, "depth", &Self::DEPTHS)?,
+            filter: match job::choice(frame, "filter", &Self::FILTERS)? {
+                Asked::Bounded(bounds) => Filter::Bounded(bounds),
+                Asked::Esm(kind) => Filter::Esm(Esm::of(frame, kind)?),
+                Asked::Pcf => Filter::Pcf,
+            },
             block: hpsm::block(frame)?,
             width: job::filter_width(frame)?,
             plane: job::axis(frame, "receiver_bias") == "plane",
             taper: false,
-        })
+        };
+        reading.check(frame)?;
+        Ok(reading)
     }
 
     /// Whether it is the plain one: the nearest depths, filtered by comparing them. A method that binds maps in
@@ -127,19 +175,25 @@ impl Reading {
         self.depth == Depth::Nearest && self.filter == Filter::Pcf
     }
 
-    /// Whether a cube map can be read so.
-    pub(crate) fn check_cube(self) -> Result<(), PlanError> {
-        let depth = name_of(self.depth, &Self::DEPTHS);
-        let filter = name_of(self.filter, &Self::FILTERS);
-        for (axis, plain, value) in [("depth", "nearest", depth), ("filter", "pcf", filter)] {
+    /// Whether what is chosen goes together.
+    fn check(self, frame: &Frame<'_>) -> Result<(), PlanError> {
+        let is_cube = matches!(frame.light.kind, LightKind::Point { .. });
+        for (axis, plain) in [("depth", "nearest"), ("filter", "pcf")] {
+            let value = job::axis(frame, axis);
             PlanError::check(
-                value == plain,
+                value == plain || !is_cube,
                 &format!("the axis `{axis}`"),
                 value,
                 &format!("{plain} under a point light, whose cube map knows no other"),
             )?;
         }
-        Ok(())
+        let sampled = self.depth == Depth::Midpoint(Midpoint::Sampled);
+        PlanError::check(
+            !sampled || self.filter == Filter::Pcf,
+            "the axis `depth`",
+            job::axis(frame, "depth"),
+            "midpoint or midpoint_two_passes where `filter` is not `pcf`: what computes from a map wants its depths",
+        )
     }
 
     /// By what a receiver's depth in a map is raised before it is compared: x + y · depth.
@@ -148,6 +202,16 @@ impl Reading {
             // The map itself holds it.
             Depth::Midpoint(_) => DVec2::ZERO,
             Depth::Nearest => bias.raise,
+        }
+    }
+
+    /// How far a receiver is to be moved towards the light in a map of `side` texels, where `setting` texels are asked for.
+    /// An exponential filter needs it only where its window may be cut off by the edge of a small map: see [`crate::esm`].
+    pub(crate) fn depth_bias(self, setting: f64, side: u32) -> f64 {
+        let is_small = 4.0 * job::margin(self.width) > f64::from(side);
+        match self.filter {
+            Filter::Esm(_) if !is_small => 0.0,
+            _ => setting,
         }
     }
 
@@ -160,6 +224,7 @@ impl Reading {
         match self.filter {
             Filter::Bounded(bounds) => bounds.add(plan, sheet, self.width, self.block),
             Filter::Pcf => {}
+            Filter::Esm(esm) => esm.add(plan, sheet, |map| self.width_of(map)),
         }
         plan.fetches_per_pixel += self.fetches(0);
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;
@@ -177,6 +242,7 @@ impl Reading {
         match self.filter {
             // The bounds are those of the widest filter.
             Filter::Bounded(bounds) => bounds.fetches(self.width, self.block) + pcf,
+            Filter::Esm(esm) => esm.fetches(),
             Filter::Pcf => pcf,
         }
     }
@@ -195,12 +261,6 @@ impl Reading {
             plane: self.plane,
         }
     }
-}
-
-/// What a choice is called.
-fn name_of<T: PartialEq>(choice: T, known: &[(&'static str, T)]) -> &'static str {
-    let found = known.iter().find(|(_, known)| *known == choice);
-    found.map_or("unknown", |(name, _)| *name)
 }
 
 /// The nearest depths, and the hardware's comparison.

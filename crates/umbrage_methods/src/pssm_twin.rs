@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use umbrage_shadow::{Constants, Pass, ShadowPlan, Value};
 
-use crate::twin_filter::Filter;
+use crate::{esm_twin::EsmTwin, twin_filter::Filter};
 
 /// The shader's constant of this name: the slope up to which a receiver's plane is followed.
 const STEEPEST: f64 = 19.0;
@@ -21,6 +21,7 @@ pub struct PssmTwin {
     width: u32,
     receiver_plane: bool,
     choice: Choice,
+    esm: Option<EsmTwin>,
 }
 
 /// What was chosen for the method besides its filter.
@@ -46,8 +47,9 @@ struct Split {
     bias: DVec2,
 }
 
-/// Where a point lies in a split's map: texels, depth, and the plane's slope per texel.
+/// Where a point lies in a split's map: texels, depth, and the plane's slope per texel; and the way there.
 struct Place {
+    to_map: DMat4,
     at: DVec3,
     slope: DVec2,
 }
@@ -90,12 +92,15 @@ impl PssmTwin {
                 bias: bias(crop)?,
             })
         });
+        let esm = EsmTwin::new(plan);
         Some(Self {
             splits: splits.collect::<Option<_>>()?,
             forward: forward.as_dvec3(),
             width,
-            receiver_plane,
+            // Exponential maps are asked about a point.
+            receiver_plane: receiver_plane && esm.is_none(),
             choice,
+            esm,
         })
     }
 
@@ -148,8 +153,11 @@ impl PssmTwin {
             "midpoint_sampled" => 2,
             _ => 1,
         };
-        let filter =
-            |number| inside(number) * self.width_of(number).div_ceil(2).pow(2) * comparison;
+        let each = |number| match &self.esm {
+            Some(esm) => esm.fetches,
+            None => self.width_of(number).div_ceil(2).pow(2) * comparison,
+        };
+        let filter = |number| inside(number) * each(number);
         match self.choice.lookup.as_str() {
             "matrix_texture" => 5 + filter(number),
             "weights" => (0..self.splits.len()).map(filter).sum(),
@@ -189,7 +197,7 @@ impl PssmTwin {
         } else {
             DVec3::ZERO
         };
-        let Some(Place { at, slope }) = split.place(position_ws, normal) else {
+        let Some(Place { to_map, at, slope }) = split.place(position_ws, normal) else {
             return 1.0;
         };
         let depth = at.z + split.bias.x + split.bias.y * at.z + slope.abs().element_sum();
@@ -197,7 +205,11 @@ impl PssmTwin {
             width: self.width_of(number),
             size: split.size,
         };
-        filter.lit(at.truncate(), depth, slope, |x, y| depth_at(number, x, y))
+        let depth_at = |x, y| depth_at(number, x, y);
+        if let Some(esm) = &self.esm {
+            return esm.lit(number, filter, (at.truncate(), depth), to_map, depth_at);
+        }
+        filter.lit(at.truncate(), depth, slope, depth_at)
     }
 }
 
@@ -232,7 +244,7 @@ impl Split {
         } else {
             DVec2::ZERO
         };
-        Some(Place { at, slope })
+        Some(Place { to_map, at, slope })
     }
 }
 

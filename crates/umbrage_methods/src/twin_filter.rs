@@ -38,6 +38,16 @@ impl Filter {
         lit
     }
 
+    /// The mean of `value` over the texels about `at`.
+    pub(crate) fn mean(self, at: DVec2, value: impl Fn(u32, u32) -> f64) -> f64 {
+        let (columns, rows) = (self.line(at.x), self.line(at.y));
+        let of_row = |row: &Read| {
+            let part = |c: &Read| c.weight * value(c.texel, row.texel);
+            row.weight * columns.iter().map(part).sum::<f64>()
+        };
+        rows.iter().map(of_row).sum()
+    }
+
     /// The texels that the filter about `middle` (texels) reads along one axis.
     fn line(self, middle: f64) -> Vec<Read> {
         let (count, last) = (self.width as usize, f64::from(self.size) - 1.0);

@@ -23,12 +23,15 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
     let registry = registry().expect("names are unique");
     let method = registry.get(method).expect("a method");
     let axes = [
+        ("block", "4"),
         ("depth", depth),
         ("filter", "pcf"),
         ("fit", "stable"),
         ("lookup", "packed"),
         ("pcf", "3"),
+        ("range", "boxes"),
         ("receiver_bias", "plane"),
+        ("taper", "off"),
         ("transition", "hard"),
     ];
     let boxes = [
@@ -64,6 +67,14 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
     })
 }
 
+/// A value of `depth`: passes by their shaders, textures, and fetches for each of `nearest`.
+type Variant<'a> = (
+    &'a str,
+    &'a [(&'a str, usize)],
+    &'a [(&'a str, TextureFormat)],
+    u32,
+);
+
 fn shaders(plan: &ShadowPlan) -> BTreeMap<&str, usize> {
     let mut counts = BTreeMap::new();
     for pass in &plan.passes {
@@ -80,7 +91,7 @@ fn each_variant_draws_and_owns_what_it_needs_alone() {
             let nearest = plan(method, "nearest", kind.clone()).expect("a plan");
             let maps = nearest.passes.len();
             let side = [nearest.textures[0].width, nearest.textures[0].height];
-            let variants: [(&str, &[(&str, usize)], &[(&str, TextureFormat)], u32); 3] = [
+            let variants: [Variant<'_>; 3] = [
                 (
                     "midpoint",
                     &[("caster_faces", maps), ("midpoint", maps)],

@@ -59,6 +59,11 @@ impl Constants {
         self
     }
 
+    /// Adds `others`.
+    pub fn extend(&mut self, others: Self) {
+        self.0.extend(others.0);
+    }
+
     /// The value for the member `name`.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.0

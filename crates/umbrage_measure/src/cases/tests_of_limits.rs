@@ -50,7 +50,17 @@ const BAD: &str = r#""bad_pixels": (most: 0, why: "w")"#;
 fn the_built_in_table_is_sound() {
     let limits = Limits::built_in().expect("a sound table");
     let names: Vec<_> = limits.variants().iter().map(|v| v.name.as_str()).collect();
-    assert_eq!(names, ["basic", "basic 15", "pssm", "pssm tight"]);
+    assert_eq!(
+        names,
+        [
+            "basic",
+            "basic 15",
+            "basic midpoint",
+            "pssm",
+            "pssm midpoint",
+            "pssm tight"
+        ]
+    );
     let twins: BTreeSet<_> = all()
         .iter()
         .filter(|c| c.same_as.is_some())

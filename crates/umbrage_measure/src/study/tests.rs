@@ -155,7 +155,10 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
         let names = variants.into_iter().map(|variant| variant.name);
         names.collect::<Vec<_>>()
     };
-    assert_eq!(names(&["ours", "basic"]), ["ours", "basic", "basic 15"]);
+    assert_eq!(
+        names(&["ours", "basic"]),
+        ["ours", "basic", "basic 15", "basic midpoint"]
+    );
     assert_eq!(
         variants(&limits, &["ours"]).expect("sound variants"),
         [Config {

@@ -8,7 +8,7 @@ use umbrage_shadow::{
 use super::Lookup;
 use crate::{
     job::{self, Bias, Boxes, NEAREST, PADDING},
-    maps::Reading,
+    maps::{Range, Reading},
 };
 
 /// A frame's numbers, checked.
@@ -68,6 +68,8 @@ pub(super) struct Split {
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
     pub casters: Vec<usize>,
+    /// The distances that the map holds.
+    pub range: Range,
 }
 
 impl Job {
@@ -90,7 +92,7 @@ impl Job {
             lambda: setting("lambda"),
             shadow_distance: (distance > 0.0).then_some(distance),
             tile: setting("resolution") as u32,
-            depth_bias: setting("depth_bias"),
+            depth_bias: reading.depth_bias(setting("depth_bias"), setting("resolution") as u32),
             band: setting("band"),
             lookup: Lookup::of(frame, setting("splits") as usize, reading)?,
             reading,
@@ -307,6 +309,7 @@ impl Job {
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,
+            range: Range::new(lens, seen, self.tile),
         }
     }
 }

@@ -141,7 +141,7 @@ pub(super) fn plan(job: &Job, splits: &Splits) -> Result<ShadowPlan, PlanError> 
     };
     let fetches = (0..read).map(|split| job.lookup.fetches(job.reading, split));
     plan.fetches_per_pixel = fetches.sum();
-    plan.constants = constants(plan.constants, job, splits, &sheet);
+    plan.constants.extend(constants(job, splits, &sheet));
     Ok(plan)
 }
 
@@ -226,11 +226,12 @@ fn map(split: &Split, tile: Viewport) -> Map {
         casters: split.casters.clone(),
         receivers: Some(split.depths),
         bias: split.bias,
+        range: split.range,
     }
 }
 
-/// `before` and the members of `PssmShadow`, for any lookup and transition.
-fn constants(before: Constants, job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
+/// The members of `PssmShadow`, for any lookup and transition.
+fn constants(job: &Job, splits: &Splits, sheet: &Tiles) -> Constants {
     let columns = sheet.columns as f32;
     let texel = Vec2::from_array(sheet.size.map(|texels| 1.0 / texels as f32));
     let splits_of = |value: &dyn Fn(&Split) -> f64, none: f32| {
@@ -250,7 +251,7 @@ fn constants(before: Constants, job: &Job, splits: &Splits, sheet: &Tiles) -> Co
         .splits
         .last()
         .map_or(f32::MIN, |last| last.depths[1] as f32);
-    before
+    Constants::new()
         .with("base", Value::Mat4(splits.base.as_mat4()))
         .with("forward", Value::Vec3(job.forward().as_vec3()))
         .with("reach", Value::F32(reach))

@@ -30,7 +30,7 @@
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
 //! split's own map, towards the light), `band` (of a split's length). What the shader does: `pcf` and
-//! `receiver_bias` as for [`crate::basic`]; `transition` says what happens in the band before a split's end
+//! `receiver_bias` as for [`crate::basic`]; `filter` and `exponent` as [`crate::esm`] has them; `transition` says what happens in the band before a split's end
 //! (nothing, a blend with the next split's map, or a choice between the two by noise); `lookup` how the place in
 //! a split's map is found. All lookups give the same shadow:
 //!
@@ -81,6 +81,7 @@ use umbrage_shadow::{
     Frame, Light, LightKind, PlanError, Setting, ShadowMethod, ShadowPlan, Support,
 };
 
+use crate::esm;
 use lookup::Lookup;
 
 /// The method `pssm`.
@@ -89,7 +90,7 @@ pub struct Pssm;
 
 const NO_CUBES: &str = "a cube map has no splits; choose another method for point lights";
 
-const SETTINGS: [Setting; 6] = [
+const SETTINGS: [Setting; 7] = [
     Setting {
         name: "splits",
         doc: "how many splits the range of view depths has",
@@ -138,6 +139,7 @@ const SETTINGS: [Setting; 6] = [
         default: 0.1,
         whole: false,
     },
+    esm::EXPONENT,
 ];
 
 impl ShadowMethod for Pssm {

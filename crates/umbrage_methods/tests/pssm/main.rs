@@ -3,6 +3,7 @@
 
 #![allow(clippy::panic, reason = "a helper that panics fails its test")]
 
+mod esm;
 mod lookups;
 mod scene;
 

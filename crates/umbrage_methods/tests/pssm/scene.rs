@@ -63,9 +63,13 @@ impl Scene {
     }
 
     pub(crate) fn plan(&self) -> Result<ShadowPlan, PlanError> {
+        self.plan_with(&Pssm)
+    }
+
+    pub(crate) fn plan_with(&self, method: &dyn ShadowMethod) -> Result<ShadowPlan, PlanError> {
         let chosen = self.settings.iter().map(|(name, v)| (name.as_str(), *v));
-        let settings = Settings::check(Pssm.settings(), chosen).expect("settings in range");
-        Pssm.plan(&Frame {
+        let settings = Settings::check(method.settings(), chosen).expect("settings in range");
+        method.plan(&Frame {
             view: &self.view,
             light: &self.light,
             casters: Casters {

@@ -1,0 +1,303 @@
+//! Exponential shadow maps (Annen et al. 2008, Salvi 2008), values of the axis `filter`: a wide filter for the price
+//! of one fetch a pixel. The shader halves are `methods/esm.wesl` and `passes/esm_blur.wesl`; `esm_twin.rs` is the
+//! same computation on the CPU.
+//!
+//! # How it works
+//! Percentage-closer filtering is a mean of steps: of each texel's distance o from the light, whether it is at least
+//! the receiver's r. Where no texel is farther than the receiver, exp(k (o − r)) with a large k is nearly that step,
+//! and the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be
+//! filtered before it is known.
+//!
+//! Two full-screen passes for each map do that: `esm_across` turns a depth map, whatever it holds, into distances o
+//! from 0 at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes
+//! the mean of exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear
+//! fetch blends four such means: W + 1 columns and rows of texels weighted 1 − f, 1, …, 1, f, the very kernel of
+//! percentage-closer filtering of width W (see `common/pcf.wesl`). The shader takes exp(min(ln E − k (r − ½), 0)):
+//! the term exceeds 1 where the map is behind the receiver, and a quotient of such numbers would overflow.
+//!
+//! # Values and settings
+//! | filter | holds | k at the most | fetches | bytes a texel, beside the depth map's 4 |
+//! | --- | --- | ---: | ---: | ---: |
+//! | `esm` | exponentials, `r32float` | 163 | 1 | 8 |
+//! | `esm_half` | exponentials, `r16float` | 19 | 1 | 4 |
+//! | `esm_log` | distances, `r32float`: m + ln(Σ w exp(k (o − m))) / k, m the largest | 65536 | 4 | 8 |
+//!
+//! A width of 1 takes one pass and half of the bytes. With `esm` the hardware filters floats of 32 bits, which
+//! WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the baseline.
+//!
+//! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln
+//! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers must fit (ln 15 = 2.71) and
+//! the product with a bilinear weight of 1/256 be normal (ln 256 = 5.55). Logarithms know no such limit, but depths
+//! have 24 bits: k · 2⁻²³ is what rounding may make of a term.
+//!
+//! `exponent` is k, of a map's whole range of distances. 0, the default, chooses for each map the k at which an
+//! occluder 2 (W + 1) texels in front of a receiver leaves a hundredth of the light (ln 100 = 4.6): a contact leak of
+//! two widths of the filter. It is no more than the format holds, and no less than to darken half of the range. With
+//! a perspective those are texels at the range's far end. A larger k shortens the leak, and makes more of slopes.
+//!
+//! `depth_bias` and `receiver_bias` do nothing. They keep texels of a receiver from shading it, and of an exponential
+//! map none does that is a plane: the mean of its texels' distances is its own, and the exponential of a mean is at
+//! most the mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by exp(4.6 b / (2 W
+//! + 2)), and a shadow's edge is lit where its share of a window is. Only what rounding may be is added to a
+//! receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
+//! cut off by the map's edge and its mean is not its own.
+//!
+//! By how much the mean is more is what a slope adds: the term on a plane whose distance grows by s_x and s_y of the
+//! range a texel is multiplied by sinh(x) / x, x = k s W / 2, for each. With the default k and W = 15 that is 1.2
+//! where depth rises by a texel's width a texel (45°), and 3.9 at three times that (72°): on steep receivers shadows
+//! become narrower, on each side by up to half of the filter. They are never darker than they should be. To divide by
+//! that factor would shade what is steep and ends, such as a wall at its foot.
+//!
+//! # Cost
+//! One fetch a pixel, or four. Two passes for each map of W texels read each, exponentials in the first, and 4 or 8
+//! bytes a texel. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at W = 3. On
+//! a software adapter, shading at W = 15 took 0.15 of what comparisons took, and the passes over 2048² texels as much
+//! as comparisons for a million pixels: beyond that many it pays.
+//!
+//! # Limits
+//! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its
+//!   receiver. It stays above 1 % until g = 4.6 / k: of a range of 100 m that is 2.8 m with `esm` and its largest k,
+//!   24 m with `esm_half`. Use the latter for ranges of few metres, and `esm_log` where ranges are long.
+//! - *What is behind the receiver*: a texel farther than the receiver by g counts exp(k g) times. Where a window
+//!   reaches past a receiver's edge to what lies behind, the receiver is lit, whatever shades it.
+//! - *Two occluders above each other*: the map holds the upper one. Where a window holds texels of both, the term is
+//!   the lower one's leak by its share: a bright rim, exp(−k g) of its own gap, at the upper one's edge, inside of
+//!   what should be one shadow. Foliage leaks so.
+//! - Point lights have a cube, and `branches`, `channels` and `weights` their own ways to compare; choose `pcf` for
+//!   them.
+//! - The range ends at the nearest caster and the farthest receiver. A caster far in front stretches it, and with it
+//!   the leak in metres of an exponent that is at its limit.
+//!
+//! # Sources
+//! Annen, Mertens, Seidel, Flerackers, Kautz, "Exponential shadow maps", Graphics Interface 2008. Salvi, "Rendering
+//! filtered shadows with exponential shadow maps", ShaderX6, 2008. Filtering of logarithms: Lauritzen and McCool,
+//! "Layered variance shadow maps", Graphics Interface 2008, and ShaderX6.
+
+use umbrage_shadow::{
+    Constants, Frame, Need, Pass, PlanError, Reads, SamplerDesc, ScreenPass, Setting, ShadowPlan,
+    Value,
+};
+use wgpu_types::{Features, FilterMode, TextureFormat};
+
+use crate::{
+    job,
+    maps::{Map, Sheet, texture},
+};
+
+/// What is read: filtered.
+const FILTERED: &str = "esm_map";
+
+/// What is filtered along its rows alone.
+const ROWS: &str = "esm_rows";
+
+/// As many maps as the shader has numbers for.
+const MOST_MAPS: usize = umbrage_shadow::MAX_SPLITS;
+
+/// −ln of the share of the light that counts as none.
+const DARK: f64 = 4.605_170_185_988_092;
+
+/// How far below an occluder that is by default, in widths of the filter.
+const WIDTHS: f64 = 2.0;
+
+/// The setting of methods whose maps can be read in this way.
+pub(crate) const EXPONENT: Setting = Setting {
+    name: "exponent",
+    doc: "of exponential filters, over the whole range of a map's distances; 0: dark 2 (W + 1) texels below a caster, as nearly as the format holds",
+    min: 0.0,
+    max: MOST_BY_DEPTH,
+    default: 0.0,
+    whole: false,
+};
+
+/// Where depths of 24 bits make terms of 7: the limit of logarithms.
+const MOST_BY_DEPTH: f64 = 65536.0;
+
+/// The exponential values of the axis `filter`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// `esm`.
+    Full,
+    /// `esm_half`.
+    Half,
+    /// `esm_log`.
+    Log,
+}
+
+/// A frame's exponential filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Esm {
+    kind: Kind,
+    /// The setting; none where a map's own is to be found.
+    exponent: Option<f64>,
+}
+
+impl Kind {
+    fn format(self) -> TextureFormat {
+        match self {
+            Self::Full | Self::Log => TextureFormat::R32Float,
+            Self::Half => TextureFormat::R16Float,
+        }
+    }
+
+    /// The largest exponent that its numbers hold: see the module's page.
+    fn largest_exponent(self) -> f64 {
+        // More than exp() is off by, relative.
+        const ROUNDING: f64 = 1.0 / 512.0;
+        let (least, most) = match self {
+            Self::Full => (
+                256.0 * f64::from(f32::MIN_POSITIVE),
+                f64::from(f32::MAX) / 15.0,
+            ),
+            Self::Half => (1.0 / 16384.0, 65504.0),
+            Self::Log => return MOST_BY_DEPTH,
+        };
+        2.0 * ((-least.ln()).min(most.ln()) - ROUNDING)
+    }
+}
+
+impl Esm {
+    /// That of a frame.
+    ///
+    /// # Errors
+    /// An exponent that the format does not hold.
+    pub(crate) fn of(frame: &Frame<'_>, kind: Kind) -> Result<Self, PlanError> {
+        let exponent = frame.settings.get(EXPONENT.name);
+        let (filter, most) = (job::axis(frame, "filter"), kind.largest_exponent());
+        let instead = match kind {
+            Kind::Full => "`esm_log` holds more",
+            Kind::Half => "`esm` and `esm_log` hold more",
+            Kind::Log => "depths are no finer",
+        };
+        PlanError::check(
+            exponent <= most,
+            "the setting `exponent`",
+            exponent,
+            &format!(
+                "{most:.1} at the most with the filter `{filter}`, or 0 for the largest that is of use; {instead}"
+            ),
+        )?;
+        Ok(Self {
+            kind,
+            exponent: (exponent > 0.0).then_some(exponent),
+        })
+    }
+
+    /// The most fetches that one question takes.
+    pub(crate) fn fetches(self) -> u32 {
+        match self.kind {
+            Kind::Full | Kind::Half => 1,
+            Kind::Log => 4,
+        }
+    }
+
+    /// Adds to `plan` what turns its depth map into exponentials, and filters them: each map by its own width, texels.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, width_of: impl Fn(usize) -> u32) {
+        let format = self.kind.format();
+        plan.textures.push(texture(FILTERED, format, sheet.size));
+        if width_of(0) > 1 {
+            plan.textures.push(texture(ROWS, format, sheet.size));
+        }
+        let blurs = sheet.maps.iter().enumerate().map(|(number, map)| Blur {
+            map,
+            width: width_of(number),
+            numbers: self.numbers(map, width_of(number)),
+        });
+        let blurs: Vec<_> = blurs.collect();
+        for blur in &blurs {
+            plan.passes.extend(blur.passes().map(Pass::Screen));
+        }
+        let numbers = |i: usize| blurs.get(i).map_or((0.0, 0.0), |blur| blur.numbers);
+        let tiles = (0..MOST_MAPS).map(|i| Value::Struct(constants(numbers(i))));
+        plan.constants
+            .extend(Constants::new().with("esm_tiles", Value::Array(tiles.collect())));
+        if self.kind != Kind::Log {
+            plan.samplers.push(SamplerDesc {
+                name: "esm_sampler".to_owned(),
+                filter: FilterMode::Linear,
+                compare: None,
+            });
+        }
+        if self.kind == Kind::Full {
+            plan.needs.push(Need {
+                features: Features::FLOAT32_FILTERABLE,
+                instead: "the filter `esm_log`, or `esm_half` for ranges of few metres".to_owned(),
+            });
+        }
+    }
+
+    /// A map's exponent, and what makes its depths linear.
+    fn numbers(self, map: &Map, width: u32) -> (f64, f64) {
+        let range = map.range;
+        let exponent = self.exponent.unwrap_or_else(|| {
+            let reach = WIDTHS * f64::from(width + 1) * range.texel;
+            let wanted = DARK * (range.far - range.near) / reach;
+            wanted.clamp(2.0 * DARK, self.kind.largest_exponent())
+        });
+        (exponent, range.ratio())
+    }
+}
+
+/// A map's exponent and ratio, for the shader.
+fn constants((exponent, ratio): (f64, f64)) -> Constants {
+    Constants::new()
+        .with("exponent", Value::F32(exponent as f32))
+        .with("ratio", Value::F32(ratio as f32))
+}
+
+/// What is done to one map.
+struct Blur<'a> {
+    map: &'a Map,
+    /// The filter's, texels.
+    width: u32,
+    /// Its exponent and ratio.
+    numbers: (f64, f64),
+}
+
+impl Blur<'_> {
+    /// Along its rows, and then along its columns; of a filter one texel wide, only to exponentials.
+    fn passes(&self) -> impl Iterator<Item = ScreenPass> {
+        let tile = self.map.tile;
+        let down = (self.width > 1).then(|| self.pass("esm_down", FILTERED, [tile.y, tile.height]));
+        let target = if down.is_some() { ROWS } else { FILTERED };
+        let across = self.pass("esm_across", target, [tile.x, tile.width]);
+        std::iter::once(across).chain(down)
+    }
+
+    /// The mean along an axis on which the map begins at `first` and has `count` texels.
+    fn pass(&self, shader: &str, target: &str, [first, count]: [u32; 2]) -> ScreenPass {
+        let constants = constants(self.numbers)
+            .with("width", Value::U32(self.width))
+            .with("first", Value::U32(first))
+            .with("last", Value::U32(first + count - 1));
+        ScreenPass {
+            shader: shader.to_owned(),
+            target: target.to_owned(),
+            viewport: self.map.tile,
+            reads: Reads {
+                constants,
+                ..Reads::default()
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the passes and the fetch make of the ends of the range, in each format's numbers; and that a fiftieth more would be too much.
+    #[test]
+    fn the_largest_exponents_fit_their_formats() {
+        let full = |exponent: f64| {
+            let [least, most] = [-0.5, 0.5].map(|end| (end * exponent).exp() as f32);
+            (15.0 * most).is_finite() && (least / 256.0).is_normal()
+        };
+        let half = |exponent: f64| {
+            let [least, most] = [-0.5, 0.5].map(|end| (end * exponent).exp());
+            most < 65504.0 && least > (-14_f64).exp2()
+        };
+        let largest = [Kind::Full, Kind::Half].map(Kind::largest_exponent);
+        assert!(full(largest[0]) && !full(1.02 * largest[0]), "{largest:?}");
+        assert!(half(largest[1]) && !half(1.02 * largest[1]), "{largest:?}");
+    }
+}

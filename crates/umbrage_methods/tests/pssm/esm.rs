@@ -1,0 +1,258 @@
+//! Exponential maps of an atlas's tiles: what passes make them, from what numbers, and what is refused.
+
+use glam::DVec3;
+use umbrage_methods::basic::Basic;
+use umbrage_shadow::*;
+use wgpu_types::{Features, TextureFormat};
+
+use crate::scene::{Scene, ground, passes, post, sun};
+
+fn lamp() -> LightKind {
+    LightKind::Spot {
+        position: DVec3::new(2.0, 9.0, -4.0),
+        direction: DVec3::new(-0.2, -1.0, -0.3).normalize(),
+        inner_angle: 0.3,
+        outer_angle: 0.8,
+        range: 40.0,
+    }
+}
+
+fn scene(kind: LightKind, filter: &str, width: u32) -> Scene {
+    let mut scene = Scene::new(kind);
+    scene.view.position = DVec3::Y * 2.0;
+    scene.receivers = vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)];
+    scene.casters = scene.receivers.clone();
+    scene.choose("filter", filter);
+    scene.choose("pcf", &width.to_string());
+    scene
+}
+
+fn screens(plan: &ShadowPlan) -> Vec<&ScreenPass> {
+    let screens = plan.passes.iter().filter_map(|pass| match pass {
+        Pass::Screen(pass) => Some(pass),
+        _ => None,
+    });
+    screens.collect()
+}
+
+fn number(constants: &Constants, name: &str) -> f64 {
+    match constants.get(name) {
+        Some(Value::F32(value)) => f64::from(*value),
+        Some(Value::U32(value)) => f64::from(*value),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn tiles(plan: &ShadowPlan) -> Vec<Constants> {
+    let Some(Value::Array(tiles)) = plan.constants.get("esm_tiles") else {
+        panic!("no exponential maps");
+    };
+    let tile = |tile: &Value| match tile {
+        Value::Struct(tile) => tile.clone(),
+        _ => panic!("no struct"),
+    };
+    tiles.iter().map(tile).collect()
+}
+
+/// Each tile by its own range and exponent, along its rows and then its columns, and never beyond its border.
+#[test]
+fn each_tile_is_blurred_by_itself() {
+    for kind in [sun(), lamp()] {
+        for (filter, format) in [
+            ("esm", TextureFormat::R32Float),
+            ("esm_half", TextureFormat::R16Float),
+            ("esm_log", TextureFormat::R32Float),
+        ] {
+            let plan = scene(kind.clone(), filter, 5).plan().expect("a plan");
+            let maps = passes(&plan);
+            assert!(maps.len() > 2, "{} tiles", maps.len());
+            let blurs = screens(&plan);
+            assert_eq!(blurs.len(), 2 * maps.len());
+            for ((map, pair), tile) in maps.iter().zip(blurs.chunks(2)).zip(tiles(&plan)) {
+                let [across, down] = pair else {
+                    panic!("no pair")
+                };
+                assert_eq!(
+                    (across.shader.as_str(), down.shader.as_str()),
+                    ("esm_across", "esm_down")
+                );
+                assert_eq!(
+                    (across.target.as_str(), down.target.as_str()),
+                    ("esm_rows", "esm_map")
+                );
+                assert_eq!(
+                    (across.viewport, down.viewport),
+                    (map.viewport, map.viewport)
+                );
+                let ends = |pass: &ScreenPass| {
+                    ["first", "last"].map(|name| number(&pass.reads.constants, name) as u32)
+                };
+                let Viewport {
+                    x,
+                    y,
+                    width,
+                    height,
+                } = map.viewport;
+                assert_eq!(ends(across), [x, x + width - 1]);
+                assert_eq!(ends(down), [y, y + height - 1]);
+                for name in ["exponent", "ratio"] {
+                    assert_eq!(number(&across.reads.constants, name), number(&tile, name));
+                }
+                check_distances(map, number(&tile, "ratio"));
+            }
+            let find = |name: &str| plan.textures.iter().find(|t| t.name == name).expect(name);
+            let depths = find("shadow_map");
+            for name in ["esm_map", "esm_rows"] {
+                let found = find(name);
+                assert_eq!(found.format, format);
+                assert_eq!((found.width, found.height), (depths.width, depths.height));
+            }
+        }
+    }
+}
+
+/// The shader's formula against the matrix that draws the map: distances along the light's axis, 0 at depth 1 and 1 at
+/// depth 0, evenly spaced.
+fn check_distances(map: &CasterPass, ratio: f64) {
+    let to_world = map.view_proj.as_dmat4().inverse();
+    let at = |depth: f64| to_world.project_point3(DVec3::new(0.1, -0.2, depth));
+    let all = at(0.0).distance(at(1.0));
+    for depth in [0.0, 1e-4, 0.1, 0.5, 0.9, 1.0] {
+        let found = (1.0 - depth) / (1.0 + ratio * depth);
+        let expected = at(depth).distance(at(1.0)) / all;
+        assert!(
+            (found - expected).abs() < 1e-4,
+            "{depth}: {found}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_width_of_one_is_not_blurred() {
+    let plan = scene(sun(), "esm_half", 1).plan().expect("a plan");
+    let maps = passes(&plan).len();
+    assert!(screens(&plan).iter().all(|pass| pass.target == "esm_map"));
+    assert_eq!(screens(&plan).len(), maps);
+    assert!(
+        plan.textures
+            .iter()
+            .all(|texture| texture.name != "esm_rows")
+    );
+}
+
+/// What only some devices can do is asked for by one value alone, which names the others.
+#[test]
+fn needs_name_what_to_choose_without_them() {
+    for (filter, fetches) in [("esm", 1), ("esm_half", 1), ("esm_log", 4)] {
+        let plan = scene(sun(), filter, 15).plan().expect("a plan");
+        assert_eq!(plan.fetches_per_pixel, fetches);
+        if filter == "esm" {
+            assert_eq!(plan.needs[0].features, Features::FLOAT32_FILTERABLE);
+            assert!(
+                plan.needs[0].instead.contains("`esm_half`"),
+                "{:?}",
+                plan.needs
+            );
+        } else {
+            assert_eq!(plan.needs, []);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_asked_is_told() {
+    let said = |scene: &Scene| {
+        let refused = scene.plan().expect_err("refused");
+        refused.to_string()
+    };
+    let mut short = scene(sun(), "esm", 3);
+    short.set("exponent", 163.5);
+    short.plan().expect("what f32 holds");
+    short.set("exponent", 164.0);
+    assert_eq!(
+        said(&short),
+        "the setting `exponent` is 164, but must be 163.6 at the most with the filter `esm`, or 0 for the largest that is of use; `esm_log` holds more"
+    );
+    let mut half = scene(sun(), "esm_half", 3);
+    half.set("exponent", 20.0);
+    assert_eq!(
+        said(&half),
+        "the setting `exponent` is 20, but must be 19.4 at the most with the filter `esm_half`, or 0 for the largest that is of use; `esm` and `esm_log` hold more"
+    );
+    let mut lookup = scene(sun(), "esm", 3);
+    lookup.choose("lookup", "weights");
+    assert!(
+        said(&lookup).contains("masks, matrix_texture, packed or storage where"),
+        "{}",
+        said(&lookup)
+    );
+    let point = LightKind::Point {
+        position: DVec3::Y,
+        range: 3.0,
+    };
+    let cube = scene(point, "esm_log", 3);
+    let refused = cube.plan_with(&Basic).expect_err("refused");
+    assert_eq!(
+        refused.to_string(),
+        "the axis `filter` is esm_log, but must be pcf under a point light, whose cube map knows no other"
+    );
+}
+
+/// Chosen by default: 1 % of the light 2 (W + 1) texels below an occluder, for each tile by its own texels, in so far as
+/// the format holds it.
+#[test]
+fn exponents_follow_from_texels() {
+    for kind in [sun(), lamp()] {
+        for width in [1, 3, 15] {
+            for (filter, most) in [("esm", 163.6), ("esm_half", 19.41), ("esm_log", 65536.0)] {
+                let plan = scene(kind.clone(), filter, width).plan().expect("a plan");
+                for (map, tile) in passes(&plan).iter().zip(tiles(&plan)) {
+                    let to_world = map.view_proj.as_dmat4().inverse();
+                    // On the light's axis, so that lengths are along it or across.
+                    let at =
+                        |x: f64, depth: f64| to_world.project_point3(DVec3::new(x, 0.0, depth));
+                    let side = f64::from(map.viewport.width);
+                    let texel = at(-1.0, 0.0).distance(at(1.0, 0.0)) / side;
+                    let axis = match &kind {
+                        LightKind::Spot { direction, .. }
+                        | LightKind::Directional { direction } => *direction,
+                        LightKind::Point { .. } => panic!("no axis"),
+                    };
+                    let range = (at(0.0, 0.0) - at(0.0, 1.0)).dot(axis);
+                    let wanted = 100.0_f64.ln() * range / (2.0 * f64::from(width + 1) * texel);
+                    let expected = wanted.clamp(2.0 * 100.0_f64.ln(), most);
+                    let found = number(&tile, "exponent");
+                    assert!(
+                        (found / expected - 1.0).abs() < 2e-3,
+                        "{filter} {width}: {found}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A plane does not shade itself in means of exponentials: what would only widen the leak is left out.
+#[test]
+fn biases_change_nothing() {
+    for kind in [sun(), lamp()] {
+        let mut scene = scene(kind, "esm", 3);
+        let plan = scene.plan().expect("a plan");
+        scene.set("depth_bias", 8.0);
+        scene.choose("receiver_bias", "constant");
+        assert_eq!(scene.plan().expect("a plan"), plan);
+    }
+}
+
+/// But in a map so small that windows are cut off wherever a receiver lies.
+#[test]
+fn small_maps_keep_their_bias() {
+    let plan = |side: f64, bias: f64| {
+        let mut scene = scene(sun(), "esm", 3);
+        scene.set("resolution", side);
+        scene.set("depth_bias", bias);
+        scene.plan_with(&Basic).expect("a plan")
+    };
+    assert_ne!(plan(11.0, 0.0), plan(11.0, 1.5));
+    assert_eq!(plan(12.0, 0.0), plan(12.0, 1.5));
+}
