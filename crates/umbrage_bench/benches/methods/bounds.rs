@@ -23,7 +23,7 @@ const CONFIGS: [(&str, &str); 7] = [
     ("hpsm", "7"),
 ];
 
-/// Texels along a block: half as long to build as with 4, and 3 % fewer rejections at the most.
+/// Texels along a block: half as long to build as with 4, and up to 4 in 100 receivers more that stay open.
 const BLOCK: &str = "8";
 
 #[derive(Serialize)]
