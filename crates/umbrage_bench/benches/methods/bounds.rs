@@ -72,11 +72,13 @@ pub(crate) fn measure(renderer: &mut Renderer, scenes: &Path) -> Result<Report, 
         for (i, (_, width)) in CONFIGS.into_iter().enumerate() {
             let plain = CONFIGS.iter().position(|config| *config == ("pcf", width));
             let plain = plain.ok_or("no plain filter of this width")?;
-            let all = |of: &dyn Fn(&[(f64, f64)]) -> f64| median(times.iter().map(|r| of(r)));
-            figures[i].build_ms = all(&|round| round[i].0);
-            figures[i].term_ms = all(&|round| round[i].1);
+            figures[i].build_ms = median(times.iter().map(|round| round[i].0));
+            figures[i].term_ms = median(times.iter().map(|round| round[i].1));
             let whole = |(build, term): (f64, f64)| build + term;
-            figures[i].over_pcf = all(&|round| whole(round[i]) / whole(round[plain]));
+            let ratios = times
+                .iter()
+                .map(|round| whole(round[i]) / whole(round[plain]));
+            figures[i].over_pcf = median(ratios);
         }
         for (sum, [plain, own]) in sums.iter_mut().zip([[0, 1], [5, 6]]) {
             for (sum, i) in sum.iter_mut().zip([plain, own]) {
