@@ -10,7 +10,7 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 use umbrage::{
     compose::{Composer, Library, Package, Target},
     methods::{basic::Basic, pssm::Pssm},
-    render::{Decision, Gpu, Picture, RenderOptions, Rendered, Renderer, Scene, What},
+    render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, Scene, What},
     shadow::{
         Constants, Contents, Frame, Light, Pass, PlanError, Reads, ScreenPass, Setting,
         ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Value, Viewport,
@@ -344,4 +344,50 @@ fn other_bounds_decide_as_the_filter_does() {
         &["3", "5", "7", "15"],
         1,
     );
+}
+
+/// Whatever the depths are, however wide the filter is in each split, and whatever way the terms take.
+#[test]
+fn bounds_go_with_all_choices_that_they_allow() {
+    let mut studio = Studio::new();
+    let mut draw = |filter: &str, choices: &[(&str, &str)], path| {
+        let axes = [("filter", filter), ("pcf", "7")];
+        let axes = axes.iter().chain(choices);
+        let options = RenderOptions {
+            width: 160,
+            height: 90,
+            what: What::ShadowTerm,
+            axes: axes
+                .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
+                .collect(),
+            path,
+            ..RenderOptions::default()
+        };
+        let rendered = studio.renderer.render(&studio.scene, &options);
+        match rendered
+            .unwrap_or_else(|error| panic!("{filter}, {choices:?}: {error}"))
+            .picture
+        {
+            Picture::ShadowTerm(terms) => terms,
+            _ => unreachable!("a shadow term was asked for"),
+        }
+    };
+    for choices in [
+        [("taper", "on"), ("transition", "blend")],
+        [("depth", "midpoint"), ("lookup", "storage")],
+        [("depth", "midpoint_two_passes"), ("lookup", "masks")],
+        [("receiver_bias", "constant"), ("lookup", "matrix_texture")],
+    ] {
+        for path in [Way::Forward, Way::Mask, Way::MaskBySplit] {
+            let whole = draw("pcf", &choices, path);
+            let dark = whole[0].iter().filter(|term| **term < 0.5).count();
+            assert!(dark > 500, "{choices:?}: {dark} are dark");
+            for filter in ["hpsm", "hpsm_naive", "min_max", "min_max_tree"] {
+                let found = draw(filter, &choices, path);
+                let pairs = whole[0].iter().zip(&found[0]);
+                let differ = pairs.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+                assert_eq!(differ, 0, "{filter}, {choices:?}, {path:?}");
+            }
+        }
+    }
 }

@@ -23,7 +23,7 @@ const CONFIGS: [(&str, &str); 7] = [
     ("hpsm", "7"),
 ];
 
-/// Texels along a block: fewer bounds to build than with 4, and hardly fewer rejections.
+/// Texels along a block: half as long to build as with 4, and up to 4 in 100 receivers more that stay open.
 const BLOCK: &str = "8";
 
 #[derive(Serialize)]
@@ -72,11 +72,13 @@ pub(crate) fn measure(renderer: &mut Renderer, scenes: &Path) -> Result<Report, 
         for (i, (_, width)) in CONFIGS.into_iter().enumerate() {
             let plain = CONFIGS.iter().position(|config| *config == ("pcf", width));
             let plain = plain.ok_or("no plain filter of this width")?;
-            let all = |of: &dyn Fn(&[(f64, f64)]) -> f64| median(times.iter().map(|r| of(r)));
-            figures[i].build_ms = all(&|round| round[i].0);
-            figures[i].term_ms = all(&|round| round[i].1);
+            figures[i].build_ms = median(times.iter().map(|round| round[i].0));
+            figures[i].term_ms = median(times.iter().map(|round| round[i].1));
             let whole = |(build, term): (f64, f64)| build + term;
-            figures[i].over_pcf = all(&|round| whole(round[i]) / whole(round[plain]));
+            let ratios = times
+                .iter()
+                .map(|round| whole(round[i]) / whole(round[plain]));
+            figures[i].over_pcf = median(ratios);
         }
         for (sum, [plain, own]) in sums.iter_mut().zip([[0, 1], [5, 6]]) {
             for (sum, i) in sum.iter_mut().zip([plain, own]) {
@@ -188,7 +190,8 @@ fn split(rendered: &Rendered) -> (f64, f64) {
     }
     let sum = |wanted: &dyn Fn(&PassTime) -> bool| {
         let passes = report.times.iter().filter(|time| wanted(time));
-        passes.map(|time| time.milliseconds).sum::<f64>()
+        // From 0: an empty sum would be −0.
+        passes.fold(0.0, |sum, time| sum + time.milliseconds)
     };
     (
         sum(&|pass| pass.planned && pass.pass != "casters"),

@@ -363,6 +363,26 @@ fn what_cannot_be_planned_is_named() {
         Some("the axis `pcf` is 4, but must be odd, 1 to 15")
     );
     scene.width = 3;
+    scene.filter = "hpsm";
+    assert_eq!(message(&scene), None);
+    let mut lamp = scene.clone();
+    lamp.light.kind = LightKind::Point {
+        position: DVec3::Y,
+        range: 10.0,
+    };
+    assert_eq!(
+        message(&lamp).as_deref(),
+        Some(
+            "the axis `filter` is hpsm, but must be pcf under a point light, whose cube map knows no other"
+        )
+    );
+    scene.depth = "midpoint_sampled";
+    let said = message(&scene).unwrap_or_default();
+    assert!(
+        said.starts_with("the axis `filter` is hpsm, but must be pcf where"),
+        "{said}"
+    );
+    (scene.depth, scene.filter) = ("nearest", "pcf");
     scene.receivers = vec![Aabb {
         min: DVec3::NAN,
         max: DVec3::ONE,

@@ -15,9 +15,9 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
     let axes = BTreeMap::from([
         ("pcf".to_owned(), scene.width.to_string()),
         ("receiver_bias".to_owned(), "plane".to_owned()),
-        ("depth".to_owned(), "nearest".to_owned()),
+        ("depth".to_owned(), scene.depth.to_owned()),
         ("block".to_owned(), "4".to_owned()),
-        ("filter".to_owned(), "pcf".to_owned()),
+        ("filter".to_owned(), scene.filter.to_owned()),
     ]);
     Basic.plan(&Frame {
         view: &scene.view,
@@ -41,6 +41,8 @@ pub(crate) struct Scene {
     pub(crate) resolution: f64,
     pub(crate) depth_bias: f64,
     pub(crate) width: u32,
+    pub(crate) depth: &'static str,
+    pub(crate) filter: &'static str,
 }
 
 impl Scene {
@@ -65,6 +67,8 @@ impl Scene {
             resolution: 256.0,
             depth_bias: 0.5,
             width: 3,
+            depth: "nearest",
+            filter: "pcf",
         }
     }
 
