@@ -113,7 +113,7 @@ impl<'a> Oracle<'a> {
         let light = &scene.lights.first()?;
         let shadow = light.shadow.as_ref();
         let filter = shadow.and_then(|shadow| shadow.axes.get("filter"));
-        let bounded = filter.is_some_and(|filter| filter != "pcf");
+        let bounded = filter.is_some_and(|filter| filter != "pcf" && !filter.starts_with("esm"));
         let (plan, twin, midpoint) = match &light.shadow {
             None => (ShadowPlan::default(), None, None),
             Some(shadow) => {

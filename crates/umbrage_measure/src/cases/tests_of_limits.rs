@@ -56,7 +56,11 @@ fn the_built_in_table_is_sound() {
             "basic",
             "basic 15",
             "basic midpoint",
+            "basic esm",
+            "basic hpsm",
             "pssm",
+            "pssm esm",
+            "pssm hpsm",
             "pssm midpoint",
             "pssm tight"
         ]

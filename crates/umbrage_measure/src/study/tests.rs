@@ -157,7 +157,14 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
     };
     assert_eq!(
         names(&["ours", "basic"]),
-        ["ours", "basic", "basic 15", "basic midpoint"]
+        [
+            "ours",
+            "basic",
+            "basic 15",
+            "basic midpoint",
+            "basic esm",
+            "basic hpsm"
+        ]
     );
     assert_eq!(
         variants(&limits, &["ours"]).expect("sound variants"),
