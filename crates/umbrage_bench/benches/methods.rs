@@ -7,6 +7,8 @@
 
 #[path = "methods/bounds.rs"]
 mod bounds;
+#[path = "methods/shafts.rs"]
+mod shafts;
 
 use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
 
@@ -33,6 +35,7 @@ const LOOKUPS: [&str; 7] = [
 
 /// The ways to make a midpoint map whose times are compared.
 const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
+
 /// How one map is asked, 15 texels wide.
 const FILTERS: [&str; 4] = ["pcf", "esm", "esm_half", "esm_log"];
 
@@ -60,6 +63,8 @@ struct Report {
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
     bounds: bounds::Report,
+    #[serde(flatten)]
+    shafts: shafts::Report,
 }
 
 #[derive(Serialize)]
@@ -87,6 +92,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::load(scenes.join("avenue.ron"))?;
     let bounds = bounds::measure(&mut renderer, &scenes)?;
     bounds.print();
+    let shafts = shafts::measure(&mut renderer, &scenes)?;
+    shafts.print();
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
@@ -112,7 +119,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for lookup in LOOKUPS {
         costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
     }
-    let report = report(lab.adapter(), family, rows, &costs, bounds)?;
+    let report = report(lab.adapter(), family, rows, &costs, (bounds, shafts))?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -218,7 +225,7 @@ fn report(
     family: &str,
     rows: &[Row],
     costs: &BTreeMap<&str, umbrage_isa::Isa>,
-    bounds: bounds::Report,
+    (bounds, shafts): (bounds::Report, shafts::Report),
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -265,5 +272,6 @@ fn report(
         esm15_variants_over_pcf15: wide,
         variants,
         bounds,
+        shafts,
     })
 }

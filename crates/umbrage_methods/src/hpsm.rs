@@ -43,8 +43,9 @@
 //! taken in). Each cell is bounded along the plane of least squares through its texels, or flat where that plane makes
 //! the slab less than twice as thin. In workgroup memory lie the cells' slabs, not their texels. A block takes the slope
 //! of its middle cell and bounds its cells' slabs. Beside what the seed does, a plane through three neighbouring texels,
-//! this leaves less to filter: of the bunny's receivers 17.7 % instead of 21.2 % at W = 15; the mean slope of all cells,
-//! 20.7 %.
+//! this leaves less to filter: of the bunny's receivers 18.0 % instead of 21.2 % at W = 15; the mean slope of all cells,
+//! 20.7 % (where a cell is flat unless its plane makes the slab four times as thin; with twice, the middle cell's
+//! leaves 17.7 %).
 //!
 //! # Settings and axes
 //! `block`: texels along a block, 2, 4 or 8. Smaller blocks decide more; larger ones cost less to build.
@@ -69,10 +70,10 @@
 //! `hpsm` leaves 6.9 (suzanne_spot), 14.4 (bunny_sun), 21.8 (leaves), 34.1 (avenue, `pssm`); of 16 at W = 7 2.2, 3.7, 5.5, 8.2.
 //! On Mesa's llvmpipe, a CPU, the time of building and of the shadow term at 1280 × 720 is 0.51, 0.72, 0.88 and 0.95 of
 //! `pcf`'s at W = 15, and at W = 7 more than it, 1.3 to 1.8 (`cargo bench -p umbrage_bench --bench methods`). There,
-//! building a map of 2048² takes as long as some 11 of W = 15's fetches for each pixel; the branch is no jump but a mask, so
-//! that a filter that no pixel takes still costs a step of each loop; and one open pixel has its seven neighbours
-//! filtered with it. Were no receiver left open, a frame of suzanne_spot with W = 15 would still take 0.28 of the
-//! processor's time that `pcf` takes.
+//! building a map of 2048² takes as long as some 11 of W = 15's fetches for each pixel, and were no receiver left open, a
+//! frame of suzanne_spot with W = 15 would still take 0.28 of the processor's time that `pcf` takes. What fits these
+//! numbers, but was not taken apart: a branch there is a mask and no jump, so that a filter that no pixel takes still
+//! costs a step of each loop, and one open pixel has its seven neighbours filtered with it.
 //!
 //! The least and the greatest depth decide next to nothing: a receiver on a slope is between the two in its own block,
 //! whatever its bias.

@@ -10,7 +10,7 @@ const SCENES: [&str; 4] = ["avenue", "bunny_sun", "leaves", "suzanne_spot"];
 
 const SIZE: (u32, u32) = (1280, 720);
 
-const ROUNDS: usize = 9;
+pub(crate) const ROUNDS: usize = 9;
 
 /// Filters and their widths, each width's plain one first.
 const CONFIGS: [(&str, &str); 7] = [
@@ -199,7 +199,7 @@ fn split(rendered: &Rendered) -> (f64, f64) {
     )
 }
 
-fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn median(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<_> = numbers.collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)

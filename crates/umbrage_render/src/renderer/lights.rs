@@ -252,8 +252,12 @@ pub(super) fn key(
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
             if ["shafts", "shaft_fetches"].contains(&pass) {
-                let known = |(axis, _): &(&str, _)| setup.axes.contains_key(*axis);
-                choices.extend(AIR_AXES.into_iter().filter(known));
+                // A plan's bounds and maps are made for filters as wide as the surfaces', and hold for narrower ones.
+                let serves = |(axis, _): &(&str, _)| {
+                    let own = setup.axes.get(*axis);
+                    own.is_some_and(|own| *axis != "pcf" || own != "1")
+                };
+                choices.extend(AIR_AXES.into_iter().filter(serves));
             }
         }
         if let Some(Term::Region(axes)) = term {
