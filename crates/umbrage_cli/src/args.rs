@@ -50,6 +50,12 @@ pub(crate) struct RenderArgs {
     /// The shadow method of all lights, in place of the scene's.
     #[arg(long, value_name = "NAME")]
     pub(crate) method: Option<String>,
+    /// A value of an axis of the shader library, such as filter=hpsm, in place of the scene's; may be repeated.
+    #[arg(long = "axis", value_name = "AXIS=VALUE", value_parser = choice)]
+    pub(crate) axes: Vec<(String, String)>,
+    /// A value of a setting of the lights' methods, such as resolution=512, in place of the scene's; may be repeated.
+    #[arg(long = "setting", value_name = "NAME=NUMBER", value_parser = setting)]
+    pub(crate) settings: Vec<(String, f64)>,
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) what: What,
@@ -259,14 +265,26 @@ fn size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn binding(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((interface, module)) if !interface.is_empty() && !module.is_empty() => {
-            Ok((interface.to_owned(), module.to_owned()))
-        }
-        _ => Err("a binding is INTERFACE=MODULE, such as \
-                  package::interface::shadow=package::methods::basic"
-            .to_owned()),
-    }
+    two_sides(text).ok_or_else(|| {
+        "a binding is INTERFACE=MODULE, such as package::interface::shadow=package::methods::basic"
+            .to_owned()
+    })
+}
+
+fn choice(text: &str) -> Result<(String, String), String> {
+    two_sides(text).ok_or_else(|| "a choice is AXIS=VALUE, such as filter=hpsm".to_owned())
+}
+
+fn setting(text: &str) -> Result<(String, f64), String> {
+    two_sides(text)
+        .and_then(|(name, value)| Some((name, value.parse().ok()?)))
+        .ok_or_else(|| "a setting is NAME=NUMBER, such as resolution=512".to_owned())
+}
+
+fn two_sides(text: &str) -> Option<(String, String)> {
+    let (left, right) = text.split_once('=')?;
+    let named = !left.is_empty() && !right.is_empty();
+    named.then(|| (left.to_owned(), right.to_owned()))
 }
 
 #[cfg(test)]
@@ -304,6 +322,8 @@ mod tests {
         assert_eq!(binding("a=b"), Ok(("a".to_owned(), "b".to_owned())));
         for bad in ["a", "=b", "a=", ""] {
             assert!(binding(bad).is_err(), "{bad}");
+            assert!(choice(bad).is_err(), "{bad}");
+            assert!(setting(bad).is_err(), "{bad}");
         }
     }
 }

@@ -97,6 +97,8 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::Splits => render::What::Splits,
         },
         method: args.method.clone(),
+        axes: args.axes.iter().cloned().collect(),
+        settings: args.settings.iter().cloned().collect(),
         path: match args.path {
             args::Path::Forward => render::Path::Forward,
             args::Path::Mask => render::Path::Mask,

@@ -43,6 +43,46 @@ fn a_scene_becomes_a_picture() {
 }
 
 #[test]
+fn axes_and_settings_are_chosen_in_place_of_the_scenes() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "out.png");
+    let with = |more: &[&'static str]| {
+        let args = ["render", SCENE, "--size", "80x45", "--out", &out];
+        args.into_iter()
+            .chain(more.iter().copied())
+            .collect::<Vec<_>>()
+    };
+    let output = umbrage(&with(&[
+        "--axis",
+        "filter=hpsm",
+        "--axis",
+        "pcf=15",
+        "--setting",
+        "resolution=256",
+        "--what",
+        "decisions",
+    ]));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("filter=hpsm"),
+        "{}",
+        stderr(&output)
+    );
+    for (more, expected) in [
+        (["--axis", "filter=hpsn"], "`hpsn` is none of its values"),
+        (["--axis", "fitler=hpsm"], "did you mean `filter`?"),
+        (
+            ["--setting", "resolution=0"],
+            "must be a whole number from 1",
+        ),
+        (["--setting", "resolution"], "a setting is NAME=NUMBER"),
+    ] {
+        let said = refusal(&with(&more));
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
 fn all_paths_draw_one_picture() {
     let folder = TempDir::new().expect("a folder");
     let pictures = ["forward", "mask", "mask_by_split"].map(|path| {

@@ -379,7 +379,7 @@ fn what_cannot_be_planned_is_named() {
     scene.depth = "midpoint_sampled";
     let said = message(&scene).unwrap_or_default();
     assert!(
-        said.starts_with("the axis `filter` is hpsm, but must be pcf where"),
+        said.starts_with("the axis `depth` is midpoint_sampled, but must be midpoint or"),
         "{said}"
     );
     (scene.depth, scene.filter) = ("nearest", "pcf");
