@@ -42,6 +42,9 @@
 //! added to a receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
 //! cut off by the map's edge and its mean is not its own.
 //!
+//! An empty texel counts as twice the range's far end: what lies there is farther than that, and the far edge of a ground
+//! would else darken itself, as half of its windows is cut off.
+//!
 //! By how much the mean is more is what a slope adds: the term on a plane whose distance grows by s_x and s_y of the
 //! range a texel is multiplied by sinh(x) / x, x = k s W / 2, for each. With the default k and W = 15 that is 1.2
 //! where depth rises by a texel's width a texel (45°), and 3.9 at three times that (72°): on steep receivers shadows

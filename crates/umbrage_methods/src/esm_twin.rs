@@ -51,13 +51,17 @@ impl EsmTwin {
         let exponent = self.exponents[number];
         let range = Range::new(to_map, at);
         let receiver = range.share(depth.clamp(0.0, 1.0));
-        let above = |x: u32, y: u32| exponent * (range.share(f64::from(depth_at(x, y))) - receiver);
+        let above = |x: u32, y: u32| {
+            let depth = f64::from(depth_at(x, y));
+            let count = if depth == 0.0 { 2.0 } else { 1.0 };
+            count * (exponent * (range.share(depth) - receiver)).exp()
+        };
         // A fetch stays within the map.
         let inside = at.clamp(
             DVec2::splat(0.5),
             DVec2::splat(f64::from(filter.size) - 0.5),
         );
-        let mean = filter.mean(inside, |x, y| above(x, y).exp());
+        let mean = filter.mean(inside, above);
         mean.min(1.0)
     }
 }
