@@ -20,6 +20,8 @@ const SIZE: &str = "960x540";
 const REPORT: &str = "target/umbrage/report";
 /// Large enough to see what differs, and small enough for a software rasteriser.
 const REPORT_SIZE: &str = "480x270";
+/// Enough for a median; `umbrage compare` takes more for figures to rely on.
+const REPORT_ROUNDS: &str = "3";
 
 pub(crate) fn demo() -> Result<()> {
     let mut steps = Steps::new(4);
@@ -57,7 +59,14 @@ pub(crate) fn demo() -> Result<()> {
 
     let mut compare = umbrage(&["compare"]);
     compare.args(&files);
-    compare.args(["--size", REPORT_SIZE, "--out", REPORT]);
+    compare.args([
+        "--size",
+        REPORT_SIZE,
+        "--rounds",
+        REPORT_ROUNDS,
+        "--out",
+        REPORT,
+    ]);
     steps.run("report", &mut compare)?;
     eprintln!("the pictures are in {}", pictures.display());
     let page = root().join(REPORT).join("report.html");
