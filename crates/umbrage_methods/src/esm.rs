@@ -54,8 +54,9 @@
 //! # Cost
 //! One fetch a pixel, or four. Two passes for each map of W texels read each, exponentials in the first, and 4 or 8
 //! bytes a texel. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at W = 3. On
-//! a software adapter, shading at W = 15 took 0.15 of what comparisons took, and the passes over 2048² texels as much
-//! as comparisons for a million pixels: beyond that many it pays.
+//! a software adapter, shading at W = 15, surfaces included, took 0.15 (960 × 540 pixels) to 0.28 (480 × 270) of what
+//! comparisons took, and the passes over 2048² texels as much as comparisons for a million pixels: beyond that many it
+//! pays.
 //!
 //! # Limits
 //! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its
