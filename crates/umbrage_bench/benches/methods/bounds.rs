@@ -132,18 +132,27 @@ fn draw(
     (filter, width): (&str, &str),
     what: What,
 ) -> Result<Rendered, Box<dyn Error>> {
-    let axes = [("filter", filter), ("pcf", width), ("block", BLOCK)];
-    let options = RenderOptions {
-        width: SIZE.0,
-        height: SIZE.1,
+    let axes = [("filter", filter), ("pcf", width)];
+    Ok(renderer.render(scene, &options(SIZE, &axes, what))?)
+}
+
+/// Timed, with these axes and the blocks of all that is bounded here.
+pub(crate) fn options(
+    (width, height): (u32, u32),
+    axes: &[(&str, &str)],
+    what: What,
+) -> RenderOptions {
+    let axes = axes.iter().chain(&[("block", BLOCK)]);
+    RenderOptions {
+        width,
+        height,
         what,
         axes: axes
-            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-            .into(),
+            .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
+            .collect(),
         timed: true,
         ..RenderOptions::default()
-    };
-    Ok(renderer.render(scene, &options)?)
+    }
 }
 
 /// What needs no clock.

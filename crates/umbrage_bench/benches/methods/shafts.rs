@@ -3,9 +3,9 @@
 use std::{error::Error, path::Path};
 
 use serde::Serialize;
-use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{Picture, Rendered, Renderer, Scene, What};
 
-use crate::bounds::{ROUNDS, median};
+use crate::bounds::{ROUNDS, median, options};
 
 const SIZE: (u32, u32) = (640, 360);
 
@@ -27,17 +27,7 @@ pub(crate) struct Report {
 pub(crate) fn measure(renderer: &mut Renderer, scenes: &Path) -> Result<Report, Box<dyn Error>> {
     let scene = Scene::load(scenes.join("shafts.ron"))?;
     let mut draw = |filter: &str, what| -> Result<Rendered, Box<dyn Error>> {
-        let axes = [("filter", filter), ("block", "8")];
-        let options = RenderOptions {
-            width: SIZE.0,
-            height: SIZE.1,
-            what,
-            axes: axes
-                .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-                .into(),
-            timed: true,
-            ..RenderOptions::default()
-        };
+        let options = options(SIZE, &[("filter", filter)], what);
         Ok(renderer.render(&scene, &options)?)
     };
     let mut fetches = [0.0; 2];
