@@ -29,7 +29,7 @@ impl Renderer {
         job: &mut Job<'a>,
         pass: &'a ScreenPass,
         eye: DVec3,
-        resources: &mut ShadowResources,
+        resources: &ShadowResources,
     ) -> Result<(), RenderError> {
         let setup = job.setup;
         let (desc, texture) = target(setup, job.textures, &pass.target)?;
@@ -90,7 +90,7 @@ impl Renderer {
         job: &Job<'_>,
         pass: &ComputePass,
         eye: DVec3,
-        resources: &mut ShadowResources,
+        resources: &ShadowResources,
     ) -> Result<(), RenderError> {
         self.check_compute(job, pass)?;
         let light = lights::constants(&job.light.source.light, eye);

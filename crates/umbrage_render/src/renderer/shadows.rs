@@ -72,10 +72,10 @@ impl Renderer {
                     self.draw_casters(frame, &mut job, pass, &slots)?;
                 }
                 Pass::Screen(pass) => {
-                    self.draw_screen(frame, &mut job, pass, view.position, &mut resources)?;
+                    self.draw_screen(frame, &mut job, pass, view.position, &resources)?;
                 }
                 Pass::Compute(pass) => {
-                    self.compute_maps(frame, &job, pass, view.position, &mut resources)?;
+                    self.compute_maps(frame, &job, pass, view.position, &resources)?;
                 }
                 _ => return Err(bad_plan(setup, "a pass of a kind that is not known here")),
             }
