@@ -82,8 +82,10 @@
 //! Point lights are refused, whose maps are cubes, and the lookups of `pssm` that bind maps of their own. Curved
 //! receivers and those at edges stay open. A filter three texels wide is cheaper than what would spare it.
 
-use umbrage_shadow::{ComputePass, Constants, Frame, Pass, PlanError, Reads, ShadowPlan, Value};
-use wgpu_types::TextureFormat;
+use umbrage_shadow::{
+    ComputePass, Constants, Frame, Pass, PlanError, Reads, SamplerDesc, ShadowPlan, Value,
+};
+use wgpu_types::{FilterMode, TextureFormat};
 
 use crate::{
     job,
@@ -137,6 +139,11 @@ impl Bounds {
         };
         plan.textures
             .push(texture(name, FORMAT, [columns * across, rows * blocks]));
+        plan.samplers.push(SamplerDesc {
+            name: "depths_sampler".to_owned(),
+            filter: FilterMode::Nearest,
+            compare: None,
+        });
         let groups = blocks.div_ceil(self.blocks_a_group(width, block));
         plan.passes.push(Pass::Compute(ComputePass {
             shader: shader.to_owned(),
