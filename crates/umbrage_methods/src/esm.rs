@@ -8,25 +8,28 @@
 //! and the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be
 //! filtered before it is known.
 //!
-//! Two full-screen passes for each map do that: `esm_across` turns a depth map, whatever it holds, into distances o
-//! from 0 at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes
-//! the mean of exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear
-//! fetch blends four such means: W + 1 columns and rows of texels weighted 1 − f, 1, …, 1, f, the very kernel of
-//! percentage-closer filtering of width W (see `common/pcf.wesl`). The shader takes exp(min(ln E − k (r − ½), 0)):
-//! the term exceeds 1 where the map is behind the receiver, and a quotient of such numbers would overflow.
+//! Two compute passes for all maps do that: `esm_across` turns a depth map, whatever it holds, into distances o from 0
+//! at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes the mean
+//! of exp(k (o − ½)) over W texels of a row; `esm_down` over W rows. Both stay within a tile. One bilinear fetch blends
+//! four such means: W + 1 columns and rows of texels weighted 1 − f, 1, …, 1, f, the very kernel of percentage-closer
+//! filtering of width W (see `common/pcf.wesl`). The shader takes min(E, e) / e of that mean E and the receiver's own
+//! e = exp(k (r − ½)): the term exceeds 1 where the map is behind the receiver, and a quotient of such numbers would
+//! overflow.
 //!
 //! # Values and settings
 //! | filter | holds | k at the most | fetches | bytes a texel, beside the depth map's 4 |
 //! | --- | --- | ---: | ---: | ---: |
 //! | `esm` | exponentials, `r32float` | 163 | 1 | 8 |
-//! | `esm_half` | exponentials, `r16float` | 19 | 1 | 4 |
+//! | `esm_half` | exponentials, `r16float` | 19 | 1 | 10 |
 //! | `esm_log` | distances, `r32float`: m + ln(Σ w exp(k (o − m))) / k, m the largest | 65536 | 4 | 8 |
 //!
-//! A width of 1 takes one pass and half of the bytes. With `esm` the hardware filters floats of 32 bits, which
-//! WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the baseline.
+//! 4 of these bytes are a row's means, which a width of 1 does without. With `esm` the hardware filters floats of 32
+//! bits, which WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the
+//! baseline. A compute shader cannot write half floats there: those of `esm_half` are computed in full ones, 4 bytes, and
+//! rounded by a full-screen pass for each map, `esm_round`. What it saves is the time of a pixel's fetch.
 //!
 //! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln
-//! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers must fit (ln 15 = 2.71) and
+//! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers, each of them twice (see below), must fit (ln 30 = 3.40) and
 //! the product with a bilinear weight of 1/256 be normal (ln 256 = 5.55). Logarithms know no such limit, but depths
 //! have 24 bits: k · 2⁻²³ is what rounding may make of a term.
 //!
@@ -52,11 +55,19 @@
 //! that factor would shade what is steep and ends, such as a wall at its foot.
 //!
 //! # Cost
-//! One fetch a pixel, or four. Two passes for each map of W texels read each, exponentials in the first, and 4 or 8
-//! bytes a texel. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at W = 3. On
-//! a software adapter, shading at W = 15, surfaces included, took 0.15 (960 × 540 pixels) to 0.28 (480 × 270) of what
-//! comparisons took, and the passes over 2048² texels as much as comparisons for a million pixels: beyond that many it
-//! pays.
+//! One fetch a pixel, or four. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at
+//! W = 3.
+//!
+//! The passes take each map as a whole, seen or not. An invocation finds the means about R = min(8, W + 1) texels beside
+//! each other (2 with `taper`, where maps differ in width) from the R + W − 1 texels of their windows: at W = 15, each
+//! pass 2.75 loads and `esm_across` 2.75 exponentials a texel, where each window by itself would take 15. Windows grow by
+//! sums alone; running sums, which subtract what is left behind, would lose small exponentials beside large ones.
+//! `esm_log` adds pairs of a largest distance and a sum relative to it, for one exponential each.
+//!
+//! On Mesa's llvmpipe, a CPU, the two take 0.17 of the time of full-screen passes with W loads a texel at W = 15 (`esm_log`
+//! 0.15, `esm_half` and its rounding 0.22), and 0.4 at W = 3; one pass for both, by way of workgroup memory, took 0.3. Where
+//! W = 15, 2048² texels are made in the time of comparisons for some 200 000 pixels, and a pixel's fetch takes a tenth of its
+//! comparisons: `cargo bench -p umbrage_bench --bench methods` prints both ratios, at 480 × 270 pixels.
 //!
 //! # Limits
 //! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its
@@ -78,14 +89,14 @@
 //! "Layered variance shadow maps", Graphics Interface 2008, and ShaderX6.
 
 use umbrage_shadow::{
-    Constants, Frame, Need, Pass, PlanError, Reads, SamplerDesc, ScreenPass, Setting, ShadowPlan,
-    Value,
+    ComputePass, Constants, Frame, Need, Pass, PlanError, Reads, SamplerDesc, ScreenPass, Setting,
+    ShadowPlan, Value,
 };
 use wgpu_types::{Features, FilterMode, TextureFormat};
 
 use crate::{
     job,
-    maps::{Map, Sheet, texture},
+    maps::{Map, Reading, Sheet, texture},
 };
 
 /// What is read: filtered.
@@ -93,6 +104,12 @@ const FILTERED: &str = "esm_map";
 
 /// What is filtered along its rows alone.
 const ROWS: &str = "esm_rows";
+
+/// What is filtered, before it is rounded to half floats.
+const MEANS: &str = "esm_means";
+
+/// Invocations along a workgroup's sides.
+const GROUP: u32 = 8;
 
 /// As many maps as the shader has numbers for.
 const MOST_MAPS: usize = umbrage_shadow::MAX_SPLITS;
@@ -150,7 +167,7 @@ impl Kind {
         let (least, most) = match self {
             Self::Full => (
                 256.0 * f64::from(f32::MIN_POSITIVE),
-                f64::from(f32::MAX) / 15.0,
+                f64::from(f32::MAX) / 30.0,
             ),
             Self::Half => (1.0 / 16384.0, 65504.0),
             Self::Log => return MOST_BY_DEPTH,
@@ -194,26 +211,25 @@ impl Esm {
         }
     }
 
-    /// Adds to `plan` what turns its depth map into exponentials, and filters them: each map by its own width, texels.
-    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, width_of: impl Fn(usize) -> u32) {
-        let format = self.kind.format();
-        plan.textures.push(texture(FILTERED, format, sheet.size));
-        if width_of(0) > 1 {
-            plan.textures.push(texture(ROWS, format, sheet.size));
-        }
-        let blurs = sheet.maps.iter().enumerate().map(|(number, map)| Blur {
-            map,
-            width: width_of(number),
-            numbers: self.numbers(map, width_of(number)),
-        });
-        let blurs: Vec<_> = blurs.collect();
-        for blur in &blurs {
-            plan.passes.extend(blur.passes().map(Pass::Screen));
-        }
-        let numbers = |i: usize| blurs.get(i).map_or((0.0, 0.0), |blur| blur.numbers);
-        let tiles = (0..MOST_MAPS).map(|i| Value::Struct(constants(numbers(i))));
+    /// Adds to `plan` what turns its depth maps into exponentials, and filters them, as `reading` has it.
+    pub(crate) fn add(self, plan: &mut ShadowPlan, sheet: &Sheet, reading: Reading) {
+        plan.textures
+            .push(texture(FILTERED, self.kind.format(), sheet.size));
+        let tile = |i: usize| {
+            let width = reading.width_of(i);
+            let map = sheet.maps.get(i);
+            let (exponent, ratio) = map.map_or((0.0, 0.0), |map| self.numbers(map, width));
+            Value::Struct(
+                Constants::new()
+                    .with("exponent", Value::F32(exponent as f32))
+                    .with("ratio", Value::F32(ratio as f32))
+                    .with("width", Value::U32(width)),
+            )
+        };
+        let tiles = Value::Array((0..MOST_MAPS).map(tile).collect());
+        self.blur(plan, sheet, reading, &tiles);
         plan.constants
-            .extend(Constants::new().with("esm_tiles", Value::Array(tiles.collect())));
+            .extend(Constants::new().with("esm_tiles", tiles));
         if self.kind != Kind::Log {
             plan.samplers.push(SamplerDesc {
                 name: "esm_sampler".to_owned(),
@@ -229,6 +245,51 @@ impl Esm {
         }
     }
 
+    /// Adds what is computed: all maps along their rows, then along their columns, and then, where compute shaders cannot
+    /// write the format, each in the format.
+    fn blur(self, plan: &mut ShadowPlan, sheet: &Sheet, reading: Reading, tiles: &Value) {
+        let Some(first) = sheet.maps.first() else {
+            return;
+        };
+        let side = first.tile.width;
+        let run = run(reading);
+        let mut compute = |shader: &str, windows: [u32; 2], binding: &str, target: &str| {
+            if target != FILTERED {
+                let scratch = texture(target, TextureFormat::R32Float, sheet.size);
+                plan.textures.push(scratch);
+            }
+            let [across, down] = windows.map(|each| side.div_ceil(each).div_ceil(GROUP));
+            plan.passes.push(Pass::Compute(ComputePass {
+                shader: shader.to_owned(),
+                workgroups: [across, down, sheet.maps.len() as u32],
+                writes: vec![target.to_owned()],
+                reads: Reads {
+                    renamed: vec![(binding.to_owned(), target.to_owned())],
+                    constants: Constants::new()
+                        .with("side", Value::U32(side))
+                        .with("columns", Value::U32(sheet.size[0] / side))
+                        .with("tiles", tiles.clone()),
+                },
+            }));
+        };
+        let rounds = self.kind == Kind::Half;
+        let means = if rounds { MEANS } else { FILTERED };
+        if reading.width > 1 {
+            compute("esm_across", [run, 1], ROWS, ROWS);
+            compute("esm_down", [1, run], FILTERED, means);
+        } else {
+            compute("esm_across", [run, 1], ROWS, means);
+        }
+        for map in sheet.maps.iter().filter(|_| rounds) {
+            plan.passes.push(Pass::Screen(ScreenPass {
+                shader: "esm_round".to_owned(),
+                target: FILTERED.to_owned(),
+                viewport: map.tile,
+                reads: Reads::default(),
+            }));
+        }
+    }
+
     /// A map's exponent, and what makes its depths linear.
     fn numbers(self, map: &Map, width: u32) -> (f64, f64) {
         let range = map.range;
@@ -241,47 +302,12 @@ impl Esm {
     }
 }
 
-/// A map's exponent and ratio, for the shader.
-fn constants((exponent, ratio): (f64, f64)) -> Constants {
-    Constants::new()
-        .with("exponent", Value::F32(exponent as f32))
-        .with("ratio", Value::F32(ratio as f32))
-}
-
-/// What is done to one map.
-struct Blur<'a> {
-    map: &'a Map,
-    /// The filter's, texels.
-    width: u32,
-    /// Its exponent and ratio.
-    numbers: (f64, f64),
-}
-
-impl Blur<'_> {
-    /// Along its rows, and then along its columns; of a filter one texel wide, only to exponentials.
-    fn passes(&self) -> impl Iterator<Item = ScreenPass> {
-        let tile = self.map.tile;
-        let down = (self.width > 1).then(|| self.pass("esm_down", FILTERED, [tile.y, tile.height]));
-        let target = if down.is_some() { ROWS } else { FILTERED };
-        let across = self.pass("esm_across", target, [tile.x, tile.width]);
-        std::iter::once(across).chain(down)
-    }
-
-    /// The mean along an axis on which the map begins at `first` and has `count` texels.
-    fn pass(&self, shader: &str, target: &str, [first, count]: [u32; 2]) -> ScreenPass {
-        let constants = constants(self.numbers)
-            .with("width", Value::U32(self.width))
-            .with("first", Value::U32(first))
-            .with("last", Value::U32(first + count - 1));
-        ScreenPass {
-            shader: shader.to_owned(),
-            target: target.to_owned(),
-            viewport: self.map.tile,
-            reads: Reads {
-                constants,
-                ..Reads::default()
-            },
-        }
+/// The windows of an invocation: as the shader has them.
+fn run(reading: Reading) -> u32 {
+    if reading.taper {
+        2
+    } else {
+        8.min(reading.width + 1)
     }
 }
 
@@ -294,7 +320,7 @@ mod tests {
     fn the_largest_exponents_fit_their_formats() {
         let full = |exponent: f64| {
             let [least, most] = [-0.5, 0.5].map(|end| (end * exponent).exp() as f32);
-            (15.0 * most).is_finite() && (least / 256.0).is_normal()
+            (30.0 * most).is_finite() && (least / 256.0).is_normal()
         };
         let half = |exponent: f64| {
             let [least, most] = [-0.5, 0.5].map(|end| (end * exponent).exp());

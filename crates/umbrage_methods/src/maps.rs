@@ -224,7 +224,7 @@ impl Reading {
         match self.filter {
             Filter::Bounded(bounds) => bounds.add(plan, sheet, self.width, self.block),
             Filter::Pcf => {}
-            Filter::Esm(esm) => esm.add(plan, sheet, |map| self.width_of(map)),
+            Filter::Esm(esm) => esm.add(plan, sheet, self),
         }
         plan.fetches_per_pixel += self.fetches(0);
         plan.filter_radius = 0.5 * f64::from(self.width) + 0.5;

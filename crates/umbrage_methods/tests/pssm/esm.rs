@@ -27,12 +27,27 @@ fn scene(kind: LightKind, filter: &str, width: u32) -> Scene {
     scene
 }
 
-fn screens(plan: &ShadowPlan) -> Vec<&ScreenPass> {
+fn computed(plan: &ShadowPlan) -> Vec<&ComputePass> {
+    let computed = plan.passes.iter().filter_map(|pass| match pass {
+        Pass::Compute(pass) => Some(pass),
+        _ => None,
+    });
+    computed.collect()
+}
+
+fn rounded(plan: &ShadowPlan) -> Vec<&ScreenPass> {
     let screens = plan.passes.iter().filter_map(|pass| match pass {
         Pass::Screen(pass) => Some(pass),
         _ => None,
     });
     screens.collect()
+}
+
+/// The texture behind a binding of a pass.
+fn behind<'a>(pass: &'a ComputePass, binding: &'a str) -> &'a str {
+    let mut renamed = pass.reads.renamed.iter();
+    let found = renamed.find(|(name, _)| name == binding);
+    found.map_or(binding, |(_, texture)| texture)
 }
 
 fn number(constants: &Constants, name: &str) -> f64 {
@@ -44,7 +59,11 @@ fn number(constants: &Constants, name: &str) -> f64 {
 }
 
 fn tiles(plan: &ShadowPlan) -> Vec<Constants> {
-    let Some(Value::Array(tiles)) = plan.constants.get("esm_tiles") else {
+    tiles_in(&plan.constants, "esm_tiles")
+}
+
+fn tiles_in(constants: &Constants, name: &str) -> Vec<Constants> {
+    let Some(Value::Array(tiles)) = constants.get(name) else {
         panic!("no exponential maps");
     };
     let tile = |tile: &Value| match tile {
@@ -54,58 +73,89 @@ fn tiles(plan: &ShadowPlan) -> Vec<Constants> {
     tiles.iter().map(tile).collect()
 }
 
-/// Each tile by its own range and exponent, along its rows and then its columns, and never beyond its border.
+/// All tiles at once, each by its own range and exponent, along their rows and then their columns.
 #[test]
-fn each_tile_is_blurred_by_itself() {
+fn tiles_are_blurred_in_two_passes() {
     for kind in [sun(), lamp()] {
-        for (filter, format) in [
-            ("esm", TextureFormat::R32Float),
-            ("esm_half", TextureFormat::R16Float),
-            ("esm_log", TextureFormat::R32Float),
+        for (filter, format, means) in [
+            ("esm", TextureFormat::R32Float, "esm_map"),
+            ("esm_half", TextureFormat::R16Float, "esm_means"),
+            ("esm_log", TextureFormat::R32Float, "esm_map"),
         ] {
             let plan = scene(kind.clone(), filter, 5).plan().expect("a plan");
             let maps = passes(&plan);
             assert!(maps.len() > 2, "{} tiles", maps.len());
-            let blurs = screens(&plan);
-            assert_eq!(blurs.len(), 2 * maps.len());
-            for ((map, pair), tile) in maps.iter().zip(blurs.chunks(2)).zip(tiles(&plan)) {
-                let [across, down] = pair else {
-                    panic!("no pair")
-                };
-                assert_eq!(
-                    (across.shader.as_str(), down.shader.as_str()),
-                    ("esm_across", "esm_down")
-                );
-                assert_eq!(
-                    (across.target.as_str(), down.target.as_str()),
-                    ("esm_rows", "esm_map")
-                );
-                assert_eq!(
-                    (across.viewport, down.viewport),
-                    (map.viewport, map.viewport)
-                );
-                let ends = |pass: &ScreenPass| {
-                    ["first", "last"].map(|name| number(&pass.reads.constants, name) as u32)
-                };
-                let Viewport {
-                    x,
-                    y,
-                    width,
-                    height,
-                } = map.viewport;
-                assert_eq!(ends(across), [x, x + width - 1]);
-                assert_eq!(ends(down), [y, y + height - 1]);
-                for name in ["exponent", "ratio"] {
-                    assert_eq!(number(&across.reads.constants, name), number(&tile, name));
-                }
-                check_distances(map, number(&tile, "ratio"));
-            }
             let find = |name: &str| plan.textures.iter().find(|t| t.name == name).expect(name);
             let depths = find("shadow_map");
-            for name in ["esm_map", "esm_rows"] {
-                let found = find(name);
-                assert_eq!(found.format, format);
-                assert_eq!((found.width, found.height), (depths.width, depths.height));
+            let side = maps[0].viewport.width;
+            let blurs = computed(&plan);
+            let shaders: Vec<_> = blurs.iter().map(|pass| pass.shader.as_str()).collect();
+            assert_eq!(shaders, ["esm_across", "esm_down"]);
+            for (pass, binding, target) in [
+                (blurs[0], "esm_rows", "esm_rows"),
+                (blurs[1], "esm_map", means),
+            ] {
+                assert_eq!(pass.writes, [target]);
+                assert_eq!(behind(pass, binding), target);
+                assert_eq!(pass.workgroups[2] as usize, maps.len());
+                let constants = &pass.reads.constants;
+                assert_eq!(number(constants, "side") as u32, side);
+                let columns = number(constants, "columns") as u32;
+                assert_eq!(columns * side, depths.width);
+                assert_eq!(tiles_in(constants, "tiles"), tiles(&plan));
+                for (number, map) in (0..).zip(&maps) {
+                    let corner = [number % columns, number / columns].map(|n| n * side);
+                    assert_eq!([map.viewport.x, map.viewport.y], corner);
+                }
+                let written = find(target);
+                assert_eq!(
+                    (written.width, written.height),
+                    (depths.width, depths.height)
+                );
+                assert_eq!(
+                    written.format,
+                    TextureFormat::R32Float,
+                    "a compute shader can write it"
+                );
+            }
+            assert_eq!(behind(blurs[1], "esm_rows"), "esm_rows");
+            let rounded = rounded(&plan);
+            assert_eq!(rounded.is_empty(), means == "esm_map");
+            for (pass, map) in rounded.iter().zip(&maps) {
+                assert_eq!(
+                    (pass.shader.as_str(), pass.target.as_str()),
+                    ("esm_round", "esm_map")
+                );
+                assert_eq!(pass.viewport, map.viewport);
+            }
+            let read = find("esm_map");
+            assert_eq!(read.format, format);
+            assert_eq!((read.width, read.height), (depths.width, depths.height));
+            for (map, tile) in maps.iter().zip(tiles(&plan)) {
+                check_distances(map, number(&tile, "ratio"));
+            }
+        }
+    }
+}
+
+/// A workgroup has 8 × 8 invocations with min(8, W + 1) texels each, 2 where widths differ from map to map.
+#[test]
+fn workgroups_cover_a_tile_and_no_more() {
+    for (width, taper, run) in [(3, "off", 4), (5, "off", 6), (15, "off", 8), (5, "on", 2)] {
+        for side in [100.0, 192.0, 193.0] {
+            let mut scene = scene(sun(), "esm", width);
+            scene.choose("taper", taper);
+            scene.set("resolution", side);
+            let plan = scene.plan().expect("a plan");
+            let blurs = computed(&plan);
+            let along = (side / f64::from(8 * run)).ceil() as u32;
+            let beside = (side / 8.0).ceil() as u32;
+            assert_eq!(blurs[0].workgroups[..2], [along, beside], "{width}, {side}");
+            assert_eq!(blurs[1].workgroups[..2], [beside, along], "{width}, {side}");
+            for (i, tile) in tiles(&plan).iter().enumerate() {
+                let narrower = if taper == "on" { 2 * i } else { 0 };
+                let expected = (width as usize).saturating_sub(narrower).max(1);
+                assert_eq!(number(tile, "width"), expected as f64);
             }
         }
     }
@@ -129,15 +179,18 @@ fn check_distances(map: &CasterPass, ratio: f64) {
 
 #[test]
 fn a_width_of_one_is_not_blurred() {
-    let plan = scene(sun(), "esm_half", 1).plan().expect("a plan");
-    let maps = passes(&plan).len();
-    assert!(screens(&plan).iter().all(|pass| pass.target == "esm_map"));
-    assert_eq!(screens(&plan).len(), maps);
-    assert!(
-        plan.textures
-            .iter()
-            .all(|texture| texture.name != "esm_rows")
-    );
+    for (filter, target) in [("esm", "esm_map"), ("esm_half", "esm_means")] {
+        let plan = scene(sun(), filter, 1).plan().expect("a plan");
+        let blurs = computed(&plan);
+        assert_eq!(blurs.len(), 1);
+        assert_eq!(behind(blurs[0], "esm_rows"), target);
+        assert_eq!(blurs[0].writes, [target]);
+        assert!(
+            plan.textures
+                .iter()
+                .all(|texture| texture.name != "esm_rows")
+        );
+    }
 }
 
 /// What only some devices can do is asked for by one value alone, which names the others.

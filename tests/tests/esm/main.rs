@@ -7,214 +7,12 @@
     reason = "a test's helpers may fail it, with the error's own words"
 )]
 
-use std::{collections::BTreeMap, sync::Arc};
+mod slopes;
+mod studio;
 
-use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3, Vec4};
-use umbrage::{
-    compose::{Composer, Target},
-    render::{
-        Camera, Gpu, Material, Mesh, Object, Picture, RenderOptions, Renderer, Scene, SceneLight,
-        Shadow, What,
-    },
-    shadow::{Light, LightKind, Pass, ShadowPlan, Value},
-};
+use glam::DVec2;
 
-/// Pixels along the pictures.
-const SIZE: u32 = 128;
-
-/// Texels along the maps.
-const RESOLUTION: f64 = 512.0;
-
-const FILTERS: [&str; 3] = ["esm", "esm_half", "esm_log"];
-
-/// Half the angle that the camera sees, as a tangent.
-const SPREAD: f64 = 0.5;
-
-/// A level rectangle: from and to, x and z, and its height; metres.
-#[derive(Clone, Copy)]
-struct Sheet {
-    min: DVec2,
-    max: DVec2,
-    height: f64,
-}
-
-fn sheet(half: f64, height: f64) -> Sheet {
-    Sheet {
-        min: DVec2::splat(-half),
-        max: DVec2::splat(half),
-        height,
-    }
-}
-
-/// What a scene is drawn with.
-struct Choice {
-    filter: &'static str,
-    width: u32,
-    /// 0: chosen by the method.
-    exponent: f64,
-}
-
-/// Terms, and where each was taken: x and z.
-struct Drawn {
-    terms: Vec<f64>,
-    places: Vec<DVec2>,
-    plan: ShadowPlan,
-}
-
-impl Drawn {
-    /// The terms at places that `wanted` picks, 10 at the least.
-    fn at(&self, wanted: impl Fn(DVec2) -> bool) -> Vec<(DVec2, f64)> {
-        let all = self.places.iter().copied().zip(self.terms.iter().copied());
-        let found: Vec<_> = all.filter(|(place, _)| wanted(*place)).collect();
-        assert!(found.len() >= 10, "{} pixels", found.len());
-        found
-    }
-
-    /// The range of distances that the map holds, metres, and the wider side of its texels.
-    fn range(&self) -> (f64, f64) {
-        let Some(Pass::Casters(pass)) = self.plan.passes.first() else {
-            panic!("no casters' pass");
-        };
-        let to_world = pass.view_proj.as_dmat4().inverse();
-        let step = |axis: DVec3| to_world.transform_vector3(axis).length();
-        let texel = 2.0 * step(DVec3::X).max(step(DVec3::Y)) / RESOLUTION;
-        (step(DVec3::Z), texel)
-    }
-
-    /// What a receiver's depth is raised by, as a share of the range.
-    fn bias(&self) -> f64 {
-        match self.plan.constants.get("bias") {
-            Some(Value::Vec2(bias)) => bias.x.into(),
-            _ => panic!("no bias"),
-        }
-    }
-
-    /// The exponent of the first map.
-    fn exponent(&self) -> f64 {
-        let Some(Value::Array(tiles)) = self.plan.constants.get("esm_tiles") else {
-            panic!("no exponential maps");
-        };
-        match &tiles[0] {
-            Value::Struct(tile) => match tile.get("exponent") {
-                Some(Value::F32(exponent)) => f64::from(*exponent),
-                _ => panic!("no exponent"),
-            },
-            _ => panic!("no struct"),
-        }
-    }
-}
-
-struct Studio(Renderer);
-
-impl Studio {
-    fn new() -> Self {
-        let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
-        let library = umbrage::shader_library().expect("the shader library is sound");
-        let composer = Arc::new(Composer::new(library, Target::webgpu()));
-        let registry = umbrage::methods::registry().expect("names are unique");
-        Self(Renderer::new(gpu, composer, registry))
-    }
-
-    /// The first sheet as seen from the height `eye`, straight up.
-    fn draw(&mut self, sheets: &[Sheet], eye: f64, choice: &Choice) -> Drawn {
-        self.draw_sheet(sheets, (eye, sheets[0].height), choice)
-    }
-
-    /// The same; places are where it sees the height `seen`.
-    fn draw_sheet(&mut self, sheets: &[Sheet], (eye, seen): (f64, f64), choice: &Choice) -> Drawn {
-        let scene = scene(sheets, eye, choice);
-        let options = RenderOptions {
-            width: SIZE,
-            height: SIZE,
-            what: What::ShadowTerm,
-            ..RenderOptions::default()
-        };
-        let rendered = self.0.render(&scene, &options);
-        let rendered = rendered.unwrap_or_else(|error| panic!("{error}"));
-        let Picture::ShadowTerm(terms) = rendered.picture else {
-            panic!("a shadow term was asked for");
-        };
-        let place = |pixel: u32| {
-            let at = |number: u32| 2.0 * (f64::from(number) + 0.5) / f64::from(SIZE) - 1.0;
-            // The camera's right is x; what it has for up is z.
-            let across = DVec2::new(at(pixel % SIZE), -at(pixel / SIZE));
-            across * SPREAD * (seen - eye)
-        };
-        Drawn {
-            terms: terms[0].iter().map(|term| f64::from(*term)).collect(),
-            places: (0..SIZE * SIZE).map(place).collect(),
-            plan: rendered.report.plans[0].clone().expect("a plan"),
-        }
-    }
-}
-
-fn scene(sheets: &[Sheet], eye: f64, choice: &Choice) -> Scene {
-    let objects = sheets.iter().map(|sheet| {
-        let size = (sheet.max - sheet.min).as_vec2();
-        let middle = 0.5 * (sheet.min + sheet.max);
-        let transform = DAffine3::from_translation(DVec3::new(middle.x, sheet.height, middle.y));
-        let mesh = Arc::new(Mesh::plane(size, Vec2::ONE));
-        let mut material = Material::plain("lambert");
-        material.base_color = Vec4::ONE;
-        Object {
-            name: "sheet".to_owned(),
-            bounds: mesh.bounds(&transform),
-            mesh,
-            material: Arc::new(material),
-            transform,
-        }
-    });
-    let axes = [
-        ("filter", choice.filter.to_owned()),
-        ("pcf", choice.width.to_string()),
-    ];
-    let mut settings = BTreeMap::from([
-        ("resolution".to_owned(), RESOLUTION),
-        ("depth_bias".to_owned(), 0.0),
-    ]);
-    if choice.filter != "pcf" {
-        settings.insert("exponent".to_owned(), choice.exponent);
-    }
-    Scene {
-        objects: objects.collect(),
-        lights: vec![SceneLight {
-            name: "sun".to_owned(),
-            light: Light {
-                kind: LightKind::Directional {
-                    direction: DVec3::NEG_Y,
-                },
-                color: Vec3::ONE,
-            },
-            cookie: None,
-            shadow: Some(Shadow {
-                method: "basic".to_owned(),
-                axes: axes.map(|(axis, value)| (axis.to_owned(), value)).into(),
-                settings,
-            }),
-        }],
-        camera: Camera {
-            position: DVec3::new(0.0, eye, 0.0),
-            rotation: DQuat::from_rotation_x(90f64.to_radians()),
-            fov_y: 2.0 * SPREAD.atan(),
-            near: 0.05,
-            far: 100.0,
-        },
-        ambient: Vec3::ZERO,
-        background: Vec3::ZERO,
-        medium: None,
-    }
-}
-
-/// What rounding may do to a term, relative. Positions, depths and exponentials of f32 differ by a few units in the last of 24
-/// bits, which the exponent multiplies; each of the two maps and the fetch may round to 11 bits in halves.
-fn rounding(filter: &str, exponent: f64) -> f64 {
-    let halves = if filter == "esm_half" {
-        3.0 / 2048.0
-    } else {
-        0.0
-    };
-    exponent * 16.0 / 16_777_216.0 + 1e-4 + halves
-}
+use crate::studio::{Choice, FILTERS, Sheet, Studio, rounding, sheet};
 
 /// Deep in the shadow of a sheet g of the range above it, a receiver has exp(−k (g − b)) of the light, for every width:
 /// 1 % of it where the gap is 4.6 / k.
@@ -291,7 +89,7 @@ fn strips() -> Vec<Sheet> {
 fn it_is_percentage_closer_filtering_where_all_occluders_are_in_front() {
     let mut studio = Studio::new();
     let sheets = strips();
-    for width in [3, 7, 15] {
+    for width in (3..=15).step_by(2) {
         let choice = |filter, exponent| Choice {
             filter,
             width,
@@ -489,6 +287,31 @@ fn the_default_leak_is_two_filters_long() {
             );
         } else {
             assert!((left - 0.01).abs() < 1e-4, "{filter} {width}: {left}");
+        }
+    }
+}
+
+/// Of a map narrower than its filter, windows are cut off at the edges: what they would read there counts as the edge's own texels,
+/// as it does by comparison, and not as empty.
+#[test]
+fn windows_end_where_a_map_does() {
+    let mut studio = Studio::new();
+    let sheets = [sheet(5.0, 0.0), sheet(90.0, 3.0)];
+    for resolution in [1.0, 2.0, 7.0, 11.0] {
+        studio.resolution = resolution;
+        for filter in ["pcf", "esm", "esm_half", "esm_log"] {
+            let choice = Choice {
+                filter,
+                width: 15,
+                exponent: if filter == "pcf" { 0.0 } else { 19.0 },
+            };
+            let drawn = studio.draw(&sheets, -9.0, &choice);
+            for (place, term) in drawn.at(|at| at.abs().max_element() < 4.0) {
+                assert!(
+                    term < 0.01,
+                    "{filter}, {resolution} texels, {place}: {term} in the middle of a shadow"
+                );
+            }
         }
     }
 }
