@@ -20,6 +20,8 @@ use crate::study::Config;
 ///
 /// A variant that is `like` another takes that one's limits and exceptions over, case by case, where it has none
 /// of its own. Each exception must be needed by each variant that has it.
+///
+/// A variant of which most cases would say the same is tried in those alone that `only` has for it.
 #[derive(Clone, Debug)]
 pub struct Limits {
     file: RonFile,
@@ -34,6 +36,9 @@ struct Table {
     /// By variants, the one whose limits and exceptions are theirs too.
     #[serde(default, deserialize_with = "RonFile::unique")]
     like: BTreeMap<String, String>,
+    /// By variants, the cases that they are tried in; without, all.
+    #[serde(default, deserialize_with = "RonFile::unique")]
+    only: BTreeMap<String, Only>,
     /// For all variants in all cases, wherever the case has the figure.
     #[serde(deserialize_with = "RonFile::unique")]
     every: Bounds,
@@ -42,6 +47,14 @@ struct Table {
     throughout: BTreeMap<String, OwnLimits>,
     #[serde(deserialize_with = "RonFile::unique")]
     cases: BTreeMap<CaseName, CaseLimits>,
+}
+
+/// Where a variant is tried, and why nowhere else.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Only {
+    cases: Vec<CaseName>,
+    why: Reason,
 }
 
 /// The limits of one case.
@@ -173,6 +186,13 @@ impl Limits {
         &self.table.variants
     }
 
+    /// Why the table has a variant not be tried in a case; none where it is to be.
+    pub(crate) fn passes_over(&self, case: &str, variant: &str) -> Option<&str> {
+        let only = self.table.only.get(variant)?;
+        let is_tried = only.cases.iter().any(|own| own.0 == case);
+        (!is_tried).then_some(only.why.0.as_str())
+    }
+
     /// A fault of the file, at the variant called `name`.
     pub(crate) fn fault(&self, name: &str, message: String) -> Fault {
         let mut names = self.table.variants.iter();
@@ -280,6 +300,10 @@ impl Table {
         for variant in self.throughout.keys() {
             self.check_name(variant)
                 .map_err(|message| (vec!["throughout", variant.as_str()], message))?;
+        }
+        for variant in self.only.keys() {
+            self.check_name(variant)
+                .map_err(|message| (vec!["only", variant.as_str()], message))?;
         }
         for (name, other) in &self.like {
             for known in [name, other] {

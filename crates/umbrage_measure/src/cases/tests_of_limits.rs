@@ -57,6 +57,7 @@ fn the_built_in_table_is_sound() {
             "basic 15",
             "basic midpoint",
             "basic esm",
+            "basic esm half",
             "basic hpsm",
             "pssm",
             "pssm esm",
@@ -122,6 +123,38 @@ fn a_case_that_is_left_out_is_named() {
         "limits.ron:3:3: the case `grazing-85` is not in the table; add it, `\"grazing-85\": ()` where it is held to no \
          more than every case is"
     );
+}
+
+#[test]
+fn a_variant_may_be_tried_in_some_cases_alone() {
+    let table = |only: &str| {
+        table(BAD, "()").replace("  cases: {", &format!("  only: {{ {only} }}, cases: {{"))
+    };
+    let text = table(r#""wide": (cases: ["grazing-85", "tiny"], why: "it says enough")"#);
+    let limits = Limits::read(RonFile::new("limits.ron", text)).expect("a sound table");
+    for (case, variant, reason) in [
+        ("tiny", "wide", None),
+        ("huge", "wide", Some("it says enough")),
+        ("huge", "basic", None),
+    ] {
+        assert_eq!(
+            limits.passes_over(case, variant),
+            reason,
+            "{case} {variant}"
+        );
+    }
+    let variant = refusal(&table(r#""wild": (cases: ["tiny"], why: "w")"#));
+    assert_eq!(
+        variant,
+        "limits.ron:3:11: there is no variant `wild`; did you mean `wide`?"
+    );
+    let case = refusal(&table(r#""wide": (cases: ["tinny"], why: "w")"#));
+    assert!(
+        case.contains("there is no case `tinny`; did you mean `tiny`?"),
+        "{case}"
+    );
+    let reason = refusal(&table(r#""wide": (cases: ["tiny"], why: "")"#));
+    assert!(reason.contains("a reason is empty"), "{reason}");
 }
 
 #[test]

@@ -45,8 +45,8 @@ pub struct CaseResult {
 pub struct Stressed {
     /// One result for each case and each variant that can be tried in it.
     pub results: Vec<CaseResult>,
-    /// The variants whose method can shadow none of a case's lights, or that choose otherwise than what makes
-    /// the case: case, variant and reason.
+    /// The variants whose method can shadow none of a case's lights, that choose otherwise than what makes
+    /// the case, or that the table of limits does not try in it: case, variant and reason.
     pub skipped: Vec<(&'static str, String, String)>,
     /// Damaged cache entries.
     pub warnings: Vec<String>,
@@ -108,7 +108,11 @@ impl<'a> Run<'a> {
         // What methods that shadow the same lights are held against is found once.
         let mut tries = BTreeMap::<_, Vec<_>>::new();
         for variant in variants {
-            match Try::new(self.lab, case, variant)? {
+            let fit = match self.limits.passes_over(case.name, &variant.name) {
+                Some(reason) => Err(reason.to_owned()),
+                None => Try::new(self.lab, case, variant)?,
+            };
+            match fit {
                 Ok((lights, fit)) => tries.entry(lights).or_default().push(fit),
                 Err(reason) => {
                     let name = variant.name.clone();

@@ -163,6 +163,7 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
             "basic 15",
             "basic midpoint",
             "basic esm",
+            "basic esm half",
             "basic hpsm"
         ]
     );
