@@ -15,7 +15,8 @@
 //! Two ways to fit, the axis `fit`:
 //! - `stable`: a map is a square around the split's bounding sphere, whose size depends on neither the place
 //!   of the camera nor where it looks. Its corner stands on a grid of texels that is fixed in the world, in f64. So
-//!   a texel covers the same part of the world from frame to frame, and edges do not crawl. The range's ends
+//!   a texel covers the same part of the world from frame to frame, and edges do not crawl. Where all casters and
+//!   receivers lie in less than the sphere, the square is theirs, rounded up to an eighth of an octave. The range's ends
 //!   are rounded outwards to powers of two: they seldom change. Of a spot light, the square around the receivers is
 //!   rounded up to a power of √2, on a grid that is fixed to the light.
 //! - `tight`: the rectangle of the receivers seen in the split, and the range as it is. Texels are finer, and
