@@ -7,8 +7,12 @@
 
 #[path = "methods/bounds.rs"]
 mod bounds;
+#[path = "methods/exponential.rs"]
+mod exponential;
 #[path = "methods/shafts.rs"]
 mod shafts;
+#[path = "methods/timing.rs"]
+mod timing;
 
 use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
 
@@ -36,9 +40,6 @@ const LOOKUPS: [&str; 7] = [
 /// The ways to make a midpoint map whose times are compared.
 const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
 
-/// How one map is asked, 15 texels wide.
-const FILTERS: [&str; 4] = ["pcf", "esm", "esm_half", "esm_log"];
-
 /// The one that ships as default.
 const DEFAULT: &str = "packed";
 
@@ -54,15 +55,11 @@ struct Report {
     pssm4x1024_over_basic2048_error: f64,
     /// What one midpoint map of 2048² takes in one pass and its resolve, over two passes and theirs.
     midpoint_single_over_two: f64,
-    /// Shading time of an exponential map 15 texels wide over that of 15 x 15 comparisons, one map of 2048².
-    esm15_over_pcf15: f64,
-    /// The same with the passes that make the maps.
-    esm15_over_pcf15_with_maps: f64,
-    /// Shading time of each of the values of `filter` that read exponential maps, over that of 15 x 15 comparisons.
-    esm15_variants_over_pcf15: BTreeMap<&'static str, f64>,
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
     bounds: bounds::Report,
+    #[serde(flatten)]
+    exponential: exponential::Report,
     #[serde(flatten)]
     shafts: shafts::Report,
 }
@@ -94,11 +91,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     bounds.print();
     let shafts = shafts::measure(&mut renderer, &scenes)?;
     shafts.print();
+    let exponential = exponential::measure(&mut renderer, &scenes)?;
+    exponential.print();
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
     configs.extend(MIDPOINTS.map(midpoint));
-    configs.extend(FILTERS.map(wide));
     let options = CompareOptions {
         size: (480, 270),
         rounds: 15,
@@ -119,7 +117,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     for lookup in LOOKUPS {
         costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
     }
-    let report = report(lab.adapter(), family, rows, &costs, (bounds, shafts))?;
+    let report = report(
+        lab.adapter(),
+        family,
+        rows,
+        &costs,
+        (bounds, exponential, shafts),
+    )?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -148,13 +152,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         "midpoint, one pass over two:     {:.3}",
         report.midpoint_single_over_two
     );
-    println!(
-        "esm 15 over pcf 15, shading:  {:.3} ({:.3} with the maps)",
-        report.esm15_over_pcf15, report.esm15_over_pcf15_with_maps
-    );
-    for (filter, ratio) in &report.esm15_variants_over_pcf15 {
-        println!("{filter:10} 15 over pcf 15, shading: {ratio:.3}");
-    }
     println!("{}", write_report("methods", &report)?.display());
     Ok(())
 }
@@ -182,17 +179,6 @@ fn midpoint(depth: &str) -> Config {
     let mut config = config("basic", depth, "");
     config.axes.insert("depth".to_owned(), depth.to_owned());
     config
-}
-
-/// One map, read by `filter` 15 texels wide.
-fn wide(filter: &str) -> Config {
-    let axes = [("filter", filter), ("pcf", "15")];
-    Config {
-        axes: axes
-            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-            .into(),
-        ..config("basic", filter, "")
-    }
 }
 
 /// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
@@ -225,7 +211,7 @@ fn report(
     family: &str,
     rows: &[Row],
     costs: &BTreeMap<&str, umbrage_isa::Isa>,
-    (bounds, shafts): (bounds::Report, shafts::Report),
+    (bounds, exponential, shafts): (bounds::Report, exponential::Report, shafts::Report),
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -254,12 +240,6 @@ fn report(
         .map(|variant| variant.throughput_over_naive);
     let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
     let [single, two] = MIDPOINTS.map(|config| Ok::<_, String>(row(config)?.casters_ms.median));
-    let with_maps =
-        |config: &str| Ok::<_, String>(row(config)?.casters_ms.median + shading(config)?);
-    let mut wide = BTreeMap::new();
-    for filter in FILTERS.into_iter().filter(|filter| *filter != "pcf") {
-        wide.insert(filter, shading(filter)? / shading("pcf")?);
-    }
     Ok(Report {
         adapter: adapter.to_owned(),
         family: family.to_owned(),
@@ -267,11 +247,9 @@ fn report(
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         midpoint_single_over_two: single? / two?,
-        esm15_over_pcf15: shading("esm")? / shading("pcf")?,
-        esm15_over_pcf15_with_maps: with_maps("esm")? / with_maps("pcf")?,
-        esm15_variants_over_pcf15: wide,
         variants,
         bounds,
+        exponential,
         shafts,
     })
 }
