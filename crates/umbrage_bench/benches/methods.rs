@@ -40,6 +40,9 @@ const LOOKUPS: [&str; 7] = [
 /// The ways to make a midpoint map whose times are compared.
 const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
 
+/// What has no splits.
+const ONE_MAP: &str = "one map";
+
 /// The one that ships as default.
 const DEFAULT: &str = "packed";
 
@@ -49,6 +52,8 @@ struct Report {
     family: String,
     /// The least inverse throughput of all variants over the naive one's; the bare shadow term, one tap.
     pssm_best_over_naive_throughput: f64,
+    /// The same of one map for all depths, where no split is to be found: what no variant gets below.
+    one_map_over_naive_throughput: f64,
     /// Shading time of the default variant over that of the storage buffer's.
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
@@ -115,8 +120,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut compiler = Compiler::start(family)?;
     let mut costs = BTreeMap::new();
     for lookup in LOOKUPS {
-        costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
+        let axes = [
+            ("method", "pssm"),
+            ("lookup", lookup),
+            ("transition", "hard"),
+        ];
+        costs.insert(lookup, cost(&composer, &mut compiler, &axes)?);
     }
+    costs.insert(
+        ONE_MAP,
+        cost(&composer, &mut compiler, &[("method", "basic")])?,
+    );
     let report = report(
         lab.adapter(),
         family,
@@ -137,8 +151,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     println!(
-        "best over naive, throughput: {:.3}",
-        report.pssm_best_over_naive_throughput
+        "best over naive, throughput: {:.3} ({:.3} without splits)",
+        report.pssm_best_over_naive_throughput, report.one_map_over_naive_throughput
     );
     println!(
         "default over storage, time:  {:.3}",
@@ -185,17 +199,15 @@ fn midpoint(depth: &str) -> Config {
 fn cost(
     composer: &Composer,
     compiler: &mut Compiler,
-    lookup: &str,
+    axes: &[(&str, &str)],
 ) -> Result<umbrage_isa::Isa, Box<dyn Error>> {
-    let key = composer.library().key([
+    let bare = [
         ("pass", "shadow_term"),
         ("light", "directional"),
-        ("method", "pssm"),
-        ("lookup", lookup),
         ("pcf", "1"),
         ("receiver_bias", "constant"),
-        ("transition", "hard"),
-    ])?;
+    ];
+    let key = composer.library().key(bare.iter().chain(axes).copied())?;
     let permutation = composer.compose(&key)?.permutation;
     let stages = compiler.cost(&permutation, &PipelineState::of(&permutation))?;
     let fragment = stages
@@ -244,6 +256,8 @@ fn report(
         adapter: adapter.to_owned(),
         family: family.to_owned(),
         pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
+        one_map_over_naive_throughput: costs[ONE_MAP].inverse_throughput as f64
+            / naive.1.inverse_throughput as f64,
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         midpoint_single_over_two: single? / two?,
