@@ -60,13 +60,13 @@
 //!
 //! | lookup | instructions | registers | fetches | uniforms | then: instructions | uniforms | interpolators |
 //! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
-//! | `branches` | 632 | 24 | 4 | 29 | 25 | 18 | 5 |
-//! | `weights` | 625 | 32 | 16 | 29 | 15 | | |
-//! | `matrix_texture` | 245 | 32 | 9 | 9 | 19 | 2 | 1 |
-//! | `packed` | 251 | 24 | 4 | 25 | | | |
-//! | `masks` | 276 | 24 | 4 | 17 | | | |
+//! | `branches` | 608 | 24 | 4 | 29 | 25 | 18 | 5 |
+//! | `weights` | 601 | 32 | 16 | 29 | 15 | | |
+//! | `matrix_texture` | 239 | 32 | 9 | 9 | 19 | 2 | 1 |
+//! | `packed` | 245 | 24 | 4 | 25 | | | |
+//! | `masks` | 270 | 24 | 4 | 17 | | | |
 //! | `channels` | 385 | 32 | 16 | 25 | | | |
-//! | `storage` | 242 | 32 | 4 | 9 | | | |
+//! | `storage` | 236 | 32 | 4 | 9 | | | |
 //!
 //! Without filter and receiver's plane (`cargo bench --profile dev -p umbrage_bench --bench methods`), RADV expects of
 //! `storage` and `matrix_texture` 0.97 of the inverse throughput of `branches`, of `packed` 1.06, and of one map without any
