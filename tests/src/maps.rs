@@ -168,7 +168,7 @@ impl Maps {
     }
 }
 
-/// A plane's slopes per texel and its depth at a map's corner: gentle, steep, or facing the light.
+/// A plane's slopes per texel and its depth at a map's corner: gentle, steep, or facing the light, all but or quite.
 fn plane(random: &mut Random, side: u32) -> [f64; 3] {
     let across = f64::from(side);
     let steep = [0.0, 1e-7, 1e-6, 0.05 / across, 0.5 / across, 2.0 / across];
