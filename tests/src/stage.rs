@@ -167,29 +167,18 @@ fn light(
         },
         _ => LightKind::Directional { direction },
     };
-    let axes: &[_] = match method {
-        "pssm" => &[
-            "block",
-            "depth",
-            "filter",
-            "fit",
-            "lookup",
-            "pcf",
-            "range",
-            "receiver_bias",
-            "taper",
-            "transition",
-        ],
-        _ => &["block", "depth", "filter", "pcf", "receiver_bias"],
-    };
-    let axes = axes.iter().map(|axis| {
-        let value = library.axes().value(key, axis).unwrap_or("");
-        ((*axis).to_owned(), value.to_owned())
-    });
-    let shadow = (method != "none").then(|| Shadow {
-        method: method.to_owned(),
-        axes: axes.collect(),
-        settings: BTreeMap::from([("resolution".to_owned(), f64::from(resolution))]),
+    let known = umbrage::methods::registry().expect("names are unique");
+    // `none` is no method.
+    let shadow = known.get(method).ok().map(|known| {
+        let axes = known.axes().iter().map(|axis| {
+            let value = library.axes().value(key, axis).unwrap_or("");
+            ((*axis).to_owned(), value.to_owned())
+        });
+        Shadow {
+            method: method.to_owned(),
+            axes: axes.collect(),
+            settings: BTreeMap::from([("resolution".to_owned(), f64::from(resolution))]),
+        }
     });
     SceneLight {
         name: "light".to_owned(),

@@ -7,8 +7,12 @@
 
 #[path = "methods/bounds.rs"]
 mod bounds;
+#[path = "methods/exponential.rs"]
+mod exponential;
 #[path = "methods/shafts.rs"]
 mod shafts;
+#[path = "methods/timing.rs"]
+mod timing;
 
 use std::{collections::BTreeMap, error::Error, path::Path, sync::Arc};
 
@@ -36,8 +40,8 @@ const LOOKUPS: [&str; 7] = [
 /// The ways to make a midpoint map whose times are compared.
 const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
 
-/// How one map is asked, 15 texels wide.
-const FILTERS: [&str; 4] = ["pcf", "esm", "esm_half", "esm_log"];
+/// What has no splits.
+const ONE_MAP: &str = "one map";
 
 /// The one that ships as default.
 const DEFAULT: &str = "packed";
@@ -48,21 +52,19 @@ struct Report {
     family: String,
     /// The least inverse throughput of all variants over the naive one's; the bare shadow term, one tap.
     pssm_best_over_naive_throughput: f64,
+    /// The same of one map for all depths, where no split is to be found: what no variant gets below.
+    one_map_over_naive_throughput: f64,
     /// Shading time of the default variant over that of the storage buffer's.
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
     /// What one midpoint map of 2048² takes in one pass and its resolve, over two passes and theirs.
     midpoint_single_over_two: f64,
-    /// Shading time of an exponential map 15 texels wide over that of 15 x 15 comparisons, one map of 2048².
-    esm15_over_pcf15: f64,
-    /// The same with the passes that make the maps.
-    esm15_over_pcf15_with_maps: f64,
-    /// Shading time of each of the values of `filter` that read exponential maps, over that of 15 x 15 comparisons.
-    esm15_variants_over_pcf15: BTreeMap<&'static str, f64>,
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
     bounds: bounds::Report,
+    #[serde(flatten)]
+    exponential: exponential::Report,
     #[serde(flatten)]
     shafts: shafts::Report,
 }
@@ -94,11 +96,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     bounds.print();
     let shafts = shafts::measure(&mut renderer, &scenes)?;
     shafts.print();
+    let exponential = exponential::measure(&mut renderer, &scenes)?;
+    exponential.print();
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
     configs.extend(MIDPOINTS.map(midpoint));
-    configs.extend(FILTERS.map(wide));
     let options = CompareOptions {
         size: (480, 270),
         rounds: 15,
@@ -117,9 +120,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut compiler = Compiler::start(family)?;
     let mut costs = BTreeMap::new();
     for lookup in LOOKUPS {
-        costs.insert(lookup, cost(&composer, &mut compiler, lookup)?);
+        let axes = [
+            ("method", "pssm"),
+            ("lookup", lookup),
+            ("transition", "hard"),
+        ];
+        costs.insert(lookup, cost(&composer, &mut compiler, &axes)?);
     }
-    let report = report(lab.adapter(), family, rows, &costs, (bounds, shafts))?;
+    costs.insert(
+        ONE_MAP,
+        cost(&composer, &mut compiler, &[("method", "basic")])?,
+    );
+    let report = report(
+        lab.adapter(),
+        family,
+        rows,
+        &costs,
+        (bounds, exponential, shafts),
+    )?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -133,8 +151,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     println!(
-        "best over naive, throughput: {:.3}",
-        report.pssm_best_over_naive_throughput
+        "best over naive, throughput: {:.3} ({:.3} without splits)",
+        report.pssm_best_over_naive_throughput, report.one_map_over_naive_throughput
     );
     println!(
         "default over storage, time:  {:.3}",
@@ -148,13 +166,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         "midpoint, one pass over two:     {:.3}",
         report.midpoint_single_over_two
     );
-    println!(
-        "esm 15 over pcf 15, shading:  {:.3} ({:.3} with the maps)",
-        report.esm15_over_pcf15, report.esm15_over_pcf15_with_maps
-    );
-    for (filter, ratio) in &report.esm15_variants_over_pcf15 {
-        println!("{filter:10} 15 over pcf 15, shading: {ratio:.3}");
-    }
     println!("{}", write_report("methods", &report)?.display());
     Ok(())
 }
@@ -184,32 +195,19 @@ fn midpoint(depth: &str) -> Config {
     config
 }
 
-/// One map, read by `filter` 15 texels wide.
-fn wide(filter: &str) -> Config {
-    let axes = [("filter", filter), ("pcf", "15")];
-    Config {
-        axes: axes
-            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-            .into(),
-        ..config("basic", filter, "")
-    }
-}
-
 /// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
 fn cost(
     composer: &Composer,
     compiler: &mut Compiler,
-    lookup: &str,
+    axes: &[(&str, &str)],
 ) -> Result<umbrage_isa::Isa, Box<dyn Error>> {
-    let key = composer.library().key([
+    let bare = [
         ("pass", "shadow_term"),
         ("light", "directional"),
-        ("method", "pssm"),
-        ("lookup", lookup),
         ("pcf", "1"),
         ("receiver_bias", "constant"),
-        ("transition", "hard"),
-    ])?;
+    ];
+    let key = composer.library().key(bare.iter().chain(axes).copied())?;
     let permutation = composer.compose(&key)?.permutation;
     let stages = compiler.cost(&permutation, &PipelineState::of(&permutation))?;
     let fragment = stages
@@ -225,7 +223,7 @@ fn report(
     family: &str,
     rows: &[Row],
     costs: &BTreeMap<&str, umbrage_isa::Isa>,
-    (bounds, shafts): (bounds::Report, shafts::Report),
+    (bounds, exponential, shafts): (bounds::Report, exponential::Report, shafts::Report),
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -254,24 +252,18 @@ fn report(
         .map(|variant| variant.throughput_over_naive);
     let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
     let [single, two] = MIDPOINTS.map(|config| Ok::<_, String>(row(config)?.casters_ms.median));
-    let with_maps =
-        |config: &str| Ok::<_, String>(row(config)?.casters_ms.median + shading(config)?);
-    let mut wide = BTreeMap::new();
-    for filter in FILTERS.into_iter().filter(|filter| *filter != "pcf") {
-        wide.insert(filter, shading(filter)? / shading("pcf")?);
-    }
     Ok(Report {
         adapter: adapter.to_owned(),
         family: family.to_owned(),
         pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
+        one_map_over_naive_throughput: costs[ONE_MAP].inverse_throughput as f64
+            / naive.1.inverse_throughput as f64,
         pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         midpoint_single_over_two: single? / two?,
-        esm15_over_pcf15: shading("esm")? / shading("pcf")?,
-        esm15_over_pcf15_with_maps: with_maps("esm")? / with_maps("pcf")?,
-        esm15_variants_over_pcf15: wide,
         variants,
         bounds,
+        exponential,
         shafts,
     })
 }

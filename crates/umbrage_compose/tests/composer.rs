@@ -83,14 +83,23 @@ fn choices_that_make_no_difference_are_projected_away() {
         project(&[("pass", "shadow_term"), ("pcf", "7"), ("light", "point")]),
         "pass=shadow_term"
     );
-    // The bare shadow term of a sun's map is that of a spot light's.
+    // The bare shadow term out of a mask is the same of all lights.
+    assert_eq!(
+        project(&[
+            ("pass", "shadow_term"),
+            ("method", "mask"),
+            ("light", "spot")
+        ]),
+        "method=mask,pass=shadow_term"
+    );
+    // A sun's map has no perspective.
     assert_eq!(
         project(&[
             ("pass", "shadow_term"),
             ("method", "basic"),
             ("light", "spot")
         ]),
-        "method=basic,pass=shadow_term"
+        "light=spot,method=basic,pass=shadow_term"
     );
     assert_eq!(
         project(&[

@@ -3,11 +3,9 @@
 use std::{error::Error, path::Path};
 
 use serde::Serialize;
-use umbrage_render::{Picture, Rendered, Renderer, Scene, What};
+use umbrage_render::{Picture, Rendered, Renderer, What};
 
-use crate::bounds::{ROUNDS, median, options};
-
-const SIZE: (u32, u32) = (640, 360);
+use crate::timing::{ROUNDS, SIZE, Times, load, median, options, split};
 
 /// The plain filter first.
 const FILTERS: [&str; 2] = ["pcf", "hpsm"];
@@ -25,7 +23,7 @@ pub(crate) struct Report {
 }
 
 pub(crate) fn measure(renderer: &mut Renderer, scenes: &Path) -> Result<Report, Box<dyn Error>> {
-    let scene = Scene::load(scenes.join("shafts.ron"))?;
+    let scene = load(scenes, "shafts")?;
     let mut draw = |filter: &str, what| -> Result<Rendered, Box<dyn Error>> {
         let options = options(SIZE, &[("filter", filter)], what);
         Ok(renderer.render(&scene, &options)?)
@@ -45,15 +43,15 @@ pub(crate) fn measure(renderer: &mut Renderer, scenes: &Path) -> Result<Report, 
     }
     let (mut whole, mut march) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        let mut round = [(0.0, 0.0); 2];
+        let mut round = [Times::default(); 2];
         for (times, filter) in round.iter_mut().zip(FILTERS) {
             // The first one makes the maps, in the place of another's: not counted.
             draw(filter, What::Shaded)?;
-            *times = split(&draw(filter, What::Shaded)?);
+            *times = split(&draw(filter, What::Shaded)?, "shafts");
         }
         let [plain, own] = round;
-        whole.push((own.0 + own.1) / (plain.0 + plain.1));
-        march.push(own.1 / plain.1);
+        whole.push(own.whole() / plain.whole());
+        march.push(own.filtered / plain.filtered);
     }
     let pairs = shaded[0].iter().zip(&shaded[1]);
     Ok(Report {
@@ -74,23 +72,4 @@ impl Report {
             self.shafts_disagreements,
         );
     }
-}
-
-/// Milliseconds of what is built from the maps, and of the shafts; of all that is submitted, where the device has no
-/// timestamps.
-fn split(rendered: &Rendered) -> (f64, f64) {
-    let report = &rendered.report;
-    if report.times.is_empty() {
-        return (0.0, report.gpu_milliseconds);
-    }
-    let (mut built, mut shafts) = (0.0, 0.0);
-    for time in &report.times {
-        match time.pass.as_str() {
-            "casters" => {}
-            "shafts" => shafts += time.milliseconds,
-            _ if time.planned => built += time.milliseconds,
-            _ => {}
-        }
-    }
-    (built, shafts)
 }

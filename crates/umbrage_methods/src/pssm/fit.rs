@@ -2,7 +2,8 @@
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
-    Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap, split_depths,
+    Aabb, Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap,
+    split_depths,
 };
 
 use super::Lookup;
@@ -115,11 +116,12 @@ impl Job {
     pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
         let lens = Lens::directional(direction);
         let slices = self.slices(&lens, DVec3::ZERO, None)?;
+        let everything = self.everything(&lens);
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
             let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, least, slice.inner)
+                self.around_sphere(&lens, slice.held, &everything, least, slice.inner)
             } else {
                 self.around(&seen.rect, least, slice.inner)
             };
@@ -251,23 +253,42 @@ impl Job {
     }
 
     /// The square on the world's grid of texels around all that the camera may see between two view depths,
-    /// wherever it looks.
-    fn around_sphere(&self, lens: &Lens, [near, far]: [f64; 2], least: f64, inner: f64) -> Rect {
+    /// wherever it looks; or around `everything`, where that is less.
+    fn around_sphere(
+        &self,
+        lens: &Lens,
+        [near, far]: [f64; 2],
+        everything: &Rect,
+        least: f64,
+        inner: f64,
+    ) -> Rect {
         let projection = self.view.projection;
         let up = (0.5 * projection.fov_y).tan();
         let (middle, radius) = sphere(near, far, up * up * (1.0 + projection.aspect.powi(2)));
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.boxes.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let texel = stable_texel(2.0 * radius, least, inner);
-        self.snapped(anchor, center, texel)
+        let whole = rounded_up(everything.size().max_element(), 8.0);
+        let (center, size) = if whole < 2.0 * radius {
+            (0.5 * (everything.min + everything.max), whole)
+        } else {
+            (center, 2.0 * radius)
+        };
+        self.snapped(anchor, center, stable_texel(size, least, inner))
+    }
+
+    /// Where all casters and receivers lie in the lens's plane, relative to the camera: what does not depend on where
+    /// that looks.
+    fn everything(&self, lens: &Lens) -> Rect {
+        let boxes = self.boxes.casters.iter().chain(&self.boxes.receivers);
+        let corners = boxes.flat_map(Aabb::corners);
+        Rect::from_points(corners.map(|corner| lens.place(corner).0)).unwrap_or(Rect::square(0.0))
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.
     fn on_grid(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
-        let size = rect.size().max_element().max(f64::MIN_POSITIVE);
-        let rounded = (0.5 * (2.0 * size.log2()).ceil()).exp2();
-        let texel = stable_texel(rounded, least, inner);
+        let size = rounded_up(rect.size().max_element(), 2.0);
+        let texel = stable_texel(size, least, inner);
         self.snapped(DVec2::ZERO, 0.5 * (rect.min + rect.max), texel)
     }
 
@@ -339,6 +360,14 @@ struct Slice {
     seen: Extent,
     /// Texels along its map's side without the filter's margins.
     inner: f64,
+}
+
+/// A size rounded up to one of `steps` to the octave: what changes little leaves it alone, and so does rounding, which
+/// may be a 10,000th of a texel.
+fn rounded_up(size: f64, steps: f64) -> f64 {
+    const ROUNDING: f64 = 1e-8;
+    let octaves = size.max(f64::MIN_POSITIVE).log2() - ROUNDING;
+    ((steps * octaves).ceil() / steps).exp2()
 }
 
 /// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to

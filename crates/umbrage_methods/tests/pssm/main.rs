@@ -168,6 +168,42 @@ fn a_split_without_receivers_costs_nothing() {
     assert_eq!(passes[1].casters, [1]);
 }
 
+/// In a hall of few metres, the ball around a split of a view of tens is more than there is.
+#[test]
+fn a_stable_map_holds_no_more_than_there_is() {
+    let mut scene = Scene::new(sun());
+    let hall = Aabb {
+        min: DVec3::new(-6.0, 0.0, -10.0),
+        max: DVec3::new(6.0, 5.0, 0.0),
+    };
+    scene.receivers = vec![hall];
+    scene.casters = vec![hall];
+    scene.view.position = DVec3::new(0.0, 2.0, -1.0);
+    let lens = Lens::directional(direction());
+    let places = hall.corners().map(|corner| lens.place(corner).0);
+    let size = Rect::from_points(places).expect("corners").size();
+    let texels = |scene: &Scene| -> Vec<f64> {
+        let scales = crops(&scene.plan().expect("a plan")).into_iter();
+        scales.map(|(scale, _)| 1.0 / scale).collect()
+    };
+    let found = texels(&scene);
+    assert_eq!(found.len(), 4);
+    // An eighth of an octave more at the most, and what the filter needs at the edges.
+    let most = size.max_element() * 8f64.recip().exp2() / (1024.0 - 10.0);
+    assert!(found.iter().all(|texel| *texel < most), "{found:?}, {most}");
+    assert!(found[3] > size.max_element() / 1024.0);
+    // Where the ball is less, it is chosen still.
+    assert!(found[0] < 0.5 * found[3]);
+    // What moves about in the hall changes no texel's size, nor do rounding errors.
+    let ball = post(DVec3::new(1.0, 1.0, -4.0), 1.0);
+    scene.casters.push(ball);
+    for step in 0..20 {
+        scene.view.position.x = 0.1 * f64::from(step);
+        scene.casters[1] = ball.translate(DVec3::X * 0.1 * f64::from(step));
+        assert_eq!(texels(&scene), found, "{step}");
+    }
+}
+
 /// A tower beside the view, towards the light, shades what is seen, and is drawn with nothing cut away.
 #[test]
 fn casters_out_of_sight_are_drawn() {

@@ -1,0 +1,125 @@
+//! What the benchmarks of filters share: how they draw, and what they time.
+
+use std::{error::Error, path::Path as FilePath};
+
+use umbrage_render::{Path, RenderOptions, Rendered, Renderer, Scene, What};
+
+/// Each with the scene's own method: splits in the first, one map in the others.
+pub(crate) const SCENES: [&str; 4] = ["avenue", "bunny_sun", "leaves", "suzanne_spot"];
+
+pub(crate) const SIZE: (u32, u32) = (1280, 720);
+
+pub(crate) const ROUNDS: usize = 9;
+
+/// Texels along a block: half as long to build as with 4, and up to 4 in 100 receivers more that stay open.
+const BLOCK: &str = "8";
+
+/// How a picture is drawn: a filter and its width, and how shadow terms come to the surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// None is a picture without shadows.
+    pub filter: Option<&'static str>,
+    pub width: &'static str,
+    pub path: Path,
+}
+
+/// Milliseconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Times {
+    /// Of what is built from the maps.
+    pub built: f64,
+    /// Of the passes in which the filter is called.
+    pub filtered: f64,
+}
+
+impl Times {
+    pub(crate) fn whole(self) -> f64 {
+        self.built + self.filtered
+    }
+}
+
+pub(crate) fn load(scenes: &FilePath, name: &str) -> Result<Scene, Box<dyn Error>> {
+    Ok(Scene::load(scenes.join(name).with_extension("ron"))?)
+}
+
+/// What each of `ways` takes, round by round.
+pub(crate) fn time<const N: usize>(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    ways: [Way; N],
+) -> Result<Vec<[Times; N]>, Box<dyn Error>> {
+    let mut rounds = vec![[Times::default(); N]; ROUNDS];
+    for round in &mut rounds {
+        for (times, way) in round.iter_mut().zip(ways) {
+            // The first one makes the maps, in the place of another's: not counted.
+            draw(renderer, scene, way, What::ShadowTerm)?;
+            let pass = match way.path {
+                Path::Forward => "shadow_term",
+                Path::Mask | Path::MaskBySplit => "mask",
+            };
+            *times = split(&draw(renderer, scene, way, What::ShadowTerm)?, pass);
+        }
+    }
+    Ok(rounds)
+}
+
+pub(crate) fn draw(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    way: Way,
+    what: What,
+) -> Result<Rendered, Box<dyn Error>> {
+    let axes = way.filter.map(|filter| ("filter", filter));
+    let axes: Vec<_> = axes.into_iter().chain([("pcf", way.width)]).collect();
+    let options = RenderOptions {
+        method: way.filter.is_none().then(|| "none".to_owned()),
+        path: way.path,
+        ..options(SIZE, &axes, what)
+    };
+    Ok(renderer.render(scene, &options)?)
+}
+
+/// Timed, with these axes and the blocks of all that is bounded here.
+pub(crate) fn options(
+    (width, height): (u32, u32),
+    axes: &[(&str, &str)],
+    what: What,
+) -> RenderOptions {
+    let axes = axes.iter().chain(&[("block", BLOCK)]);
+    RenderOptions {
+        width,
+        height,
+        what,
+        axes: axes
+            .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
+            .collect(),
+        timed: true,
+        ..RenderOptions::default()
+    }
+}
+
+/// The filter runs in the passes of this name. All that is submitted counts as theirs where the device has no timestamps.
+pub(crate) fn split(rendered: &Rendered, filtering: &str) -> Times {
+    let report = &rendered.report;
+    if report.times.is_empty() {
+        return Times {
+            built: 0.0,
+            filtered: report.gpu_milliseconds,
+        };
+    }
+    let mut times = Times::default();
+    for pass in &report.times {
+        if pass.pass == filtering {
+            times.filtered += pass.milliseconds;
+        } else if pass.planned && pass.pass != "casters" {
+            times.built += pass.milliseconds;
+        }
+    }
+    times
+}
+
+pub(crate) fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<_> = numbers.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
