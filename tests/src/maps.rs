@@ -87,9 +87,12 @@ impl Maps {
             let (tile, ground) = self.tiles[random.below(self.tiles.len() as u64) as usize];
             let side = f64::from(tile.width);
             let mut at = [random.unit() * side, random.unit() * side];
-            // Where blocks and tiles begin and end.
-            if random.below(8) == 0 {
-                at = at.map(f64::round);
+            match random.below(8) {
+                // Where blocks and tiles begin and end.
+                0 => at = at.map(f64::round),
+                // Where a tap reads a texel that is all but a texel away.
+                1 | 2 => at = at.map(|at| at.floor() + 0.5 + 1e-4 * (random.unit() - 0.5)),
+                _ => {}
             }
             let [a, b, c] = if random.below(4) == 0 {
                 plane(&mut random, tile.width)
@@ -99,12 +102,18 @@ impl Maps {
             let on = depth([a, b, c], at[0], at[1]);
             // What a method adds: a texel's lean either way, and some texels of bias.
             let lean = a.abs() + b.abs();
-            let raise = match random.below(6) {
+            let raise = match random.below(8) {
                 0 => 0.0,
                 1 => lean,
                 2 => lean * (1.0 + 1e-6 * random.unit()),
                 3 => lean + 0.1 * random.unit(),
                 4 => -0.2 * random.unit(),
+                // About as far as bounds need, but for what is rounded.
+                5 | 6 => {
+                    let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
+                    let rounding = 16.0 * (random.unit() - 0.5) / f64::from(1_u32 << 24);
+                    side * lean * (1.0 + random.unit() / 32.0) + rounding
+                }
                 _ => lean + (0.5 + random.unit()) * (lean + 1e-5),
             };
             let slope = if random.below(8) == 0 {
@@ -159,9 +168,11 @@ impl Maps {
     }
 }
 
-/// A plane's slopes per texel and its depth at a map's corner: gentle, steep, or facing the light.
+/// A plane's slopes per texel and its depth at a map's corner: gentle, steep, or facing the light, all but or quite.
 fn plane(random: &mut Random, side: u32) -> [f64; 3] {
-    let steep = [0.0, 0.05, 0.5, 2.0][random.below(4) as usize] / f64::from(side);
+    let across = f64::from(side);
+    let steep = [0.0, 1e-7, 1e-6, 0.05 / across, 0.5 / across, 2.0 / across];
+    let steep = steep[random.below(6) as usize];
     let [a, b] = [(random.unit() - 0.5) * steep, (random.unit() - 0.5) * steep];
     let middle = 0.2 + 0.6 * random.unit();
     [a, b, middle - 0.5 * f64::from(side) * (a + b)]

@@ -346,6 +346,26 @@ fn other_bounds_decide_as_the_filter_does() {
     );
 }
 
+/// Where a map has fewer texels than a filter reads, no receiver's footprint lies in it.
+#[test]
+fn bounds_of_maps_smaller_than_the_filter_decide_nothing_wrong() {
+    let mut studio = Studio::new();
+    for filter in ["hpsm", "hpsm_naive", "min_max", "min_max_tree"] {
+        for (width, resolution) in [("5", 3), ("7", 5), ("15", 11)] {
+            for seed in 0..12 {
+                let trial = Trial {
+                    method: "basic_probe",
+                    width,
+                    block: "2",
+                    resolution,
+                    seed,
+                };
+                studio.check(&trial, filter);
+            }
+        }
+    }
+}
+
 /// Whatever the depths are, however wide the filter is in each split, and whatever way the terms take.
 #[test]
 fn bounds_go_with_all_choices_that_they_allow() {

@@ -128,15 +128,8 @@ impl Bounds {
             return;
         };
         let side = map.tile.width;
-        let blocks = side.div_ceil(block);
         let [columns, rows] = sheet.size.map(|texels| texels / side);
-        let across = match self {
-            Self::Hpsm | Self::HpsmNaive | Self::MinMax => blocks,
-            // Room for those of the widest filter: narrower ones may read what was built for a wider.
-            Self::MinMaxTree => (0..levels(WIDEST, block))
-                .map(|level| blocks.div_ceil(1 << level))
-                .sum(),
-        };
+        let [across, blocks] = self.size(side, block);
         plan.textures
             .push(texture(name, FORMAT, [columns * across, rows * blocks]));
         plan.samplers.push(SamplerDesc {
@@ -156,6 +149,20 @@ impl Bounds {
                 ..Reads::default()
             },
         }));
+    }
+
+    /// Texels across and down that bound a tile with `side` texels along each edge. They are no more than the tile's own
+    /// from 34 texels on, and few below: what bounds a map fits on a device wherever the map does.
+    fn size(self, side: u32, block: u32) -> [u32; 2] {
+        let blocks = side.div_ceil(block);
+        let across = match self {
+            Self::Hpsm | Self::HpsmNaive | Self::MinMax => blocks,
+            // Room for those of the widest filter: narrower ones may read what was built for a wider.
+            Self::MinMaxTree => (0..levels(WIDEST, block))
+                .map(|level| blocks.div_ceil(1 << level))
+                .sum(),
+        };
+        [across, blocks]
     }
 
     /// The most fetches that these bounds take for one receiver.
@@ -189,4 +196,43 @@ impl Bounds {
 /// Levels of a tree: as many as it takes for two squares of the last to cover a footprint.
 fn levels(width: u32, block: u32) -> u32 {
     u32::BITS - (width / block).leading_zeros() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use umbrage_shadow::{Atlas, MAX_SPLITS};
+
+    use super::*;
+
+    #[test]
+    fn what_bounds_a_map_fits_where_the_map_fits() {
+        for tiles in 1..=MAX_SPLITS as u32 {
+            for side in 1..=Atlas::MOST_TEXELS {
+                let Ok(atlas) = Atlas::new(tiles, side, 0) else {
+                    continue;
+                };
+                for bounds in [
+                    Bounds::Hpsm,
+                    Bounds::HpsmNaive,
+                    Bounds::MinMax,
+                    Bounds::MinMaxTree,
+                ] {
+                    for block in [2, 4, 8] {
+                        let [across, down] = bounds.size(side, block);
+                        let size = [atlas.columns() * across, atlas.rows() * down];
+                        let longest = size[0].max(size[1]);
+                        assert!(
+                            longest <= Atlas::MOST_TEXELS,
+                            "{bounds:?} by {block}, {tiles} x {side}: {size:?}"
+                        );
+                        let is_small = longest <= atlas.size()[0].max(atlas.size()[1]);
+                        assert!(
+                            is_small || side < 34,
+                            "{bounds:?} by {block}, {tiles} x {side}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! What methods with depth maps do before they fit them: checks, and a frame relative to the camera.
 
 use glam::{DVec2, DVec3};
-use umbrage_shadow::{Aabb, Beam, Extent, Frame, Frustum, Lens, PlanError, Setting};
+use umbrage_shadow::{Aabb, Beam, Extent, Frame, Frustum, Lens, PlanError, Rect, Setting};
 
 /// The nearest near plane of a spot or point light, as a share of its range. Reversed depth keeps its
 /// relative precision over this ratio, and more.
@@ -152,6 +152,12 @@ impl Bias {
             rounding: rounding / texel,
         }
     }
+}
+
+/// Where a directional light's `casters` lie in the lens's plane: their shadows lie nowhere else.
+pub(crate) fn shaded(lens: &Lens, casters: &[Aabb]) -> Option<Rect> {
+    let corners = casters.iter().flat_map(Aabb::corners);
+    Rect::from_points(corners.map(|corner| lens.place(corner).0))
 }
 
 /// The near plane of a directional light's map, and the casters that it needs: those between the light and

@@ -2,7 +2,7 @@
 
 use std::{io::Cursor, path::Path};
 
-use umbrage_compose::{Key, Source};
+use umbrage_compose::{Key, Permutation, Source};
 use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
@@ -79,6 +79,15 @@ impl Decision {
         Self::ShadowedByPlane,
     ];
 
+    /// Whether `permutation`, of the pass `decision`, can find a term without filtering: whether anything in it notes
+    /// how. If not, its decisions are [`Unasked`](Self::Unasked) and [`Filtered`](Self::Filtered) alone.
+    #[must_use]
+    pub fn spares_filter(permutation: &Permutation) -> bool {
+        let functions = permutation.module.functions.iter();
+        let mut names = functions.filter_map(|(_, function)| function.name.as_deref());
+        names.any(|name| name == "note_decision")
+    }
+
     /// That with the shader's `number`.
     pub(crate) fn of(number: f32) -> Self {
         let known = Self::ALL.get(number as usize);
@@ -86,7 +95,8 @@ impl Decision {
     }
 
     /// Its false colour, sRGB: black, red, light and dark yellow for light, light and dark blue for shadow.
-    fn color(self) -> [u8; 3] {
+    #[must_use]
+    pub fn color(self) -> [u8; 3] {
         match self {
             Self::Unasked => [0, 0, 0],
             Self::Filtered => [220, 50, 47],

@@ -155,6 +155,15 @@ impl Rect {
             })
     }
 
+    /// What lies in both; none where they are apart.
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let both = Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        };
+        both.min.cmple(both.max).all().then_some(both)
+    }
+
     /// Width and height.
     pub fn size(&self) -> DVec2 {
         self.max - self.min

@@ -11,15 +11,17 @@ pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let size = value.abs();
-    match size {
-        _ if size < 0.000_1 => format!("{value:.1e}"),
-        _ if size < 0.001 => format!("{value:.6}"),
-        _ if size < 0.01 => format!("{value:.5}"),
-        _ if size < 0.1 => format!("{value:.4}"),
-        _ if size < 1.0 => format!("{value:.3}"),
-        _ if size < 10.0 => format!("{value:.2}"),
-        _ if size < 100.0 => format!("{value:.1}"),
+    if value < 0.0 {
+        return format!("−{}", number(-value));
+    }
+    match value {
+        _ if value < 0.000_1 => format!("{value:.1e}"),
+        _ if value < 0.001 => format!("{value:.6}"),
+        _ if value < 0.01 => format!("{value:.5}"),
+        _ if value < 0.1 => format!("{value:.4}"),
+        _ if value < 1.0 => format!("{value:.3}"),
+        _ if value < 10.0 => format!("{value:.2}"),
+        _ if value < 100.0 => format!("{value:.1}"),
         _ => whole(value),
     }
 }
@@ -104,6 +106,7 @@ mod tests {
             (123.4, "123"),
             (12_345.6, "12\u{2009}346"),
             (-1234.0, "−1\u{2009}234"),
+            (-44.22, "−44.2"),
             (f64::NAN, MISSING),
             (f64::INFINITY, MISSING),
         ] {

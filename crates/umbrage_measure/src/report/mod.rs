@@ -133,9 +133,10 @@ pub struct Row {
     pub draws: u32,
     /// Texture fetches of `calc_shadow` a pixel, counted on the device, mean over the compared pixels.
     pub fetches_per_pixel: f64,
-    /// The share of the compared pixels that take so many fetches, by their number. A filter that can tell early
-    /// that all of its texels agree is seen here: how often, and by what it looked at.
+    /// The share of the compared pixels that take so many fetches, by their number.
     pub fetch_shares: BTreeMap<u32, f64>,
+    /// How often its filter is spared; none where its filter always runs, or no compared pixel asks a map.
+    pub decided: Option<Decided>,
     /// What a GPU's compiler makes of the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
     /// Whether no other configuration of the scene is at once no worse and somewhere better, in error
@@ -144,18 +145,50 @@ pub struct Row {
 }
 
 impl Row {
-    /// The share of the compared pixels that take fewer fetches than the most that any takes, 0 to 1.
-    #[must_use]
-    pub fn cut_short(&self) -> f64 {
-        let most = self.fetch_shares.values().next_back();
-        most.map_or(0.0, |most| 1.0 - most)
-    }
-
     /// What methods are ranked by: the share of the compared samples that are wrongly lit or wrongly in
     /// shadow, 0 to 1.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.figures.false_lit + self.figures.false_shadow
+    }
+}
+
+/// How the receivers' light was found, as shares of those compared pixels that ask a map, pooled over the lights, 0 to 1;
+/// they add up to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Decided {
+    /// Lit at once, as no depth around is greater.
+    pub lit_by_depth: f64,
+    /// Lit at once, as they lie before a plane that no depth around is before.
+    pub lit_by_plane: f64,
+    /// In shadow at once, as all depths around are greater.
+    pub shadowed_by_depth: f64,
+    /// In shadow at once, as they lie behind a plane that all depths around are before.
+    pub shadowed_by_plane: f64,
+    /// Filtered, as that was left open.
+    pub filtered: f64,
+    /// Texture fetches fewer a compared pixel than of the same configuration without the choice that lets it decide;
+    /// below 0 where bounds cost more than they spare; none where no such choice was made.
+    pub fetches_saved: Option<f64>,
+}
+
+impl Decided {
+    /// The share that was not filtered.
+    #[must_use]
+    pub fn at_once(&self) -> f64 {
+        self.by_plane() + self.by_depth()
+    }
+
+    /// The share that planes decided.
+    #[must_use]
+    pub fn by_plane(&self) -> f64 {
+        self.lit_by_plane + self.shadowed_by_plane
+    }
+
+    /// The share that the least and the greatest depth decided.
+    #[must_use]
+    pub fn by_depth(&self) -> f64 {
+        self.lit_by_depth + self.shadowed_by_depth
     }
 }
 

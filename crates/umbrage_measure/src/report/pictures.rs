@@ -1,5 +1,8 @@
 //! The pictures of a row, as the page embeds them.
 
+#[cfg(doc)]
+use umbrage_render::Decision;
+
 use image::{
     DynamicImage, GrayImage, ImageEncoder, RgbImage,
     codecs::png::{CompressionType, FilterType, PngEncoder},
@@ -19,6 +22,7 @@ pub struct Pictures {
     pub(super) truth: Vec<u8>,
     pub(super) difference: Vec<u8>,
     pub(super) shaded: Option<Vec<u8>>,
+    pub(super) decisions: Option<Vec<u8>>,
 }
 
 impl Pictures {
@@ -36,18 +40,12 @@ impl Pictures {
         shaded: Option<&RgbImage>,
     ) -> Result<Self, ReportError> {
         let difference = difference(truth, rendered, compared, width, height)?;
-        if let Some(shaded) = shaded
-            && shaded.dimensions() != (width, height)
-        {
-            let found = shaded.pixels().len();
-            check_size(width, height, "shaded pixels", found)?;
-            // As many pixels, but in rows of another length.
-            return Err(ReportError::Size {
-                width,
-                height,
-                what: "shaded pixels in rows of another length",
-                found,
-            });
+        if let Some(shaded) = shaded {
+            check_picture(
+                (width, height),
+                shaded,
+                ["shaded pixels", "shaded pixels in rows of another length"],
+            )?;
         }
         // Nothing that is seen can be in shadow there: the renderer has it lit too.
         let truth = truth.iter().map(|term| term.unwrap_or(1.0));
@@ -59,13 +57,28 @@ impl Pictures {
             shaded: shaded
                 .map(|shaded| png(&shaded.clone().into()))
                 .transpose()?,
+            decisions: None,
         })
+    }
+
+    /// With how each pixel's term was found, in the colours of [`Decision::color`].
+    ///
+    /// # Errors
+    /// [`ReportError::Size`] where it has another size.
+    pub fn with_decisions(self, decisions: &RgbImage) -> Result<Self, ReportError> {
+        check_picture(
+            self.size,
+            decisions,
+            ["decisions", "decisions in rows of another length"],
+        )?;
+        let decisions = Some(png(&decisions.clone().into())?);
+        Ok(Self { decisions, ..self })
     }
 }
 
 impl Pictures {
-    /// The pictures as PNG files, each with its name: `method`, `truth`, `difference` and, where there is
-    /// one, `shaded`.
+    /// The pictures as PNG files, each with its name: `method`, `truth`, `difference` and, where there are
+    /// such, `shaded` and `decisions`.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
         let terms = [
             ("method", &self.rendered),
@@ -73,11 +86,32 @@ impl Pictures {
             ("difference", &self.difference),
         ];
         let shaded = self.shaded.iter().map(|png| ("shaded", png));
+        let decisions = self.decisions.iter().map(|png| ("decisions", png));
         terms
             .into_iter()
             .chain(shaded)
+            .chain(decisions)
             .map(|(name, png)| (name, png.as_slice()))
     }
+}
+
+/// That `picture` has this size; `what` its pixels are, and what as many are in rows of another length.
+fn check_picture(
+    (width, height): (u32, u32),
+    picture: &RgbImage,
+    [what, turned]: [&'static str; 2],
+) -> Result<(), ReportError> {
+    if picture.dimensions() == (width, height) {
+        return Ok(());
+    }
+    let found = picture.pixels().len();
+    check_size(width, height, what, found)?;
+    Err(ReportError::Size {
+        width,
+        height,
+        what: turned,
+        found,
+    })
 }
 
 /// The terms as grey; what is no number is black.
@@ -133,12 +167,16 @@ mod tests {
     }
 
     #[test]
-    fn a_shaded_picture_of_another_size_is_refused() {
+    fn a_picture_of_another_size_is_refused() {
         for size in [(1, 1), (4, 1)] {
             let shaded = RgbImage::new(size.0, size.1);
-            let error = Pictures::new(&[None; 4], &[0.0; 4], &[true; 4], (2, 2), Some(&shaded))
-                .expect_err("refused");
+            let pictures =
+                |shaded| Pictures::new(&[None; 4], &[0.0; 4], &[true; 4], (2, 2), shaded);
+            let error = pictures(Some(&shaded)).expect_err("refused");
             assert!(error.to_string().contains("shaded"), "{error}");
+            let plain = pictures(None).expect("pictures");
+            let error = plain.with_decisions(&shaded).expect_err("refused");
+            assert!(error.to_string().contains("decisions"), "{error}");
         }
     }
 }

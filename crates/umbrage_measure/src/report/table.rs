@@ -5,8 +5,8 @@ mod columns;
 use maud::{Markup, html};
 
 use super::{
-    Report, Row, Spread,
-    format::{MISSING, bytes, number, percent, times, whole},
+    Report, Row,
+    format::{MISSING, bytes, percent, times, whole},
     names::Names,
     pareto::memory,
     plot::swatch,
@@ -124,9 +124,8 @@ fn cell(row: &Row, column: &Column, group: &str, first: bool) -> Markup {
             @match value {
                 Some(value) => {
                     ((column.show)(value))
-                    @if let Some(spread) = column.spread {
-                        @let Spread { min, max, .. } = spread(row);
-                        " " small { (number(min)) "–" (number(max)) }
+                    @if let Some(beside) = column.beside.and_then(|beside| beside(row)) {
+                        " " small { (beside) }
                     }
                 }
                 None => { (MISSING) }
@@ -143,6 +142,9 @@ pub(super) fn key_figures(row: &Row) -> Markup {
         span.fig { (percent(row.figures.false_shadow)) " false shadow" }
         span.fig { (times(row.time_ratio)) " time" }
         span.fig { (bytes(memory(row))) }
+        @if let Some(decided) = row.decided {
+            span.fig { (percent(decided.at_once())) " decided at once" }
+        }
         @if row.figures.bad_pixels > 0 {
             span.fig.bad { (whole(count(row.figures.bad_pixels))) " bad pixels" }
         }

@@ -6,7 +6,7 @@ use umbrage_render::{Path, RenderError, Rendered, Scene};
 
 use super::{
     Config, Lab, Progress, StudyError,
-    lab::{Subject, Unshadowed},
+    lab::{Subject, Unshadowed, mean},
     motion::{Moving, cameras, shimmer_of},
     timing::{Timing, time},
 };
@@ -194,10 +194,11 @@ impl Run<'_> {
         let options = config.options(subject.size());
         let drawn = self.lab.terms(subject, &options).and_then(|terms| {
             let fetches = self.lab.fetches(subject, &options)?;
-            Ok((terms, fetches, self.lab.shaded(subject, &options)?))
+            let decided = self.lab.decided(subject, config, mean(&fetches))?;
+            Ok((terms, fetches, decided, self.lab.shaded(subject, &options)?))
         });
         // What the device refuses of one configuration says nothing of the others.
-        let (terms, fetch_shares, shaded) = match drawn {
+        let (terms, fetch_shares, decided, shaded) = match drawn {
             Ok(drawn) => drawn,
             Err(error) => return Ok(Err(error.to_string())),
         };
@@ -223,14 +224,17 @@ impl Run<'_> {
             texels: report.texels,
             passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
-            fetches_per_pixel: (fetch_shares.iter())
-                .map(|(count, share)| f64::from(*count) * share)
-                .sum(),
+            fetches_per_pixel: mean(&fetch_shares),
             fetch_shares,
+            decided: decided.as_ref().map(|(decided, _)| *decided),
             isa: self.isa(&shaded)?,
             ..Row::default()
         };
-        Ok(Ok((row, subject.pictures(&terms, Some(&shaded))?)))
+        let mut pictures = subject.pictures(&terms, Some(&shaded))?;
+        if let Some((_, decisions)) = decided {
+            pictures = pictures.with_decisions(&decisions)?;
+        }
+        Ok(Ok((row, pictures)))
     }
 
     /// What a GPU's compiler makes of the costliest fragment shader that lights the picture.

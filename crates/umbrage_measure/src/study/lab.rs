@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Vec3;
-use umbrage_compose::{Composer, Library, Permutation};
+use umbrage_compose::{Composer, Key, Library, Permutation};
 use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
 use umbrage_shadow::{LightKind, Registry, Support};
 
@@ -97,19 +97,29 @@ impl Lab {
         if config.axes.is_empty() {
             return None;
         }
+        let key = self.key("shadow_term", kind, config);
+        key.err().map(|error| error.to_string())
+    }
+
+    /// The key of a pass under a kind of light.
+    pub(super) fn key(
+        &self,
+        pass: &str,
+        kind: &LightKind,
+        config: &Config,
+    ) -> Result<Key, umbrage_compose::Error> {
         let kind = match kind {
             LightKind::Directional { .. } => "directional",
             LightKind::Spot { .. } => "spot",
             LightKind::Point { .. } => "point",
         };
         let own = [
-            ("pass", "shadow_term"),
+            ("pass", pass),
             ("light", kind),
             ("method", config.method.as_str()),
         ];
         let chosen = config.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
-        let key = self.library().key(own.into_iter().chain(chosen));
-        key.err().map(|error| error.to_string())
+        self.library().key(own.into_iter().chain(chosen))
     }
 
     /// The scene as the rasteriser sees it, beside its truth.
@@ -122,7 +132,7 @@ impl Lab {
             what: What::Triangles,
             ..plain(truth)
         };
-        let raster = match self.renderer.render(scene, &options)?.picture {
+        let raster = match self.render(scene, &options)?.picture {
             Picture::Triangles(raster) => raster,
             _ => Vec::new(),
         };
@@ -143,7 +153,7 @@ impl Lab {
             what: What::ShadowTerm,
             ..options.clone()
         };
-        self.renderer.render(subject.scene, &options)
+        self.render(subject.scene, &options)
     }
 
     /// Texture fetches a compared sample, counted on the device: the share of the samples that take so many.
@@ -156,18 +166,14 @@ impl Lab {
             what: What::Fetches,
             ..options.clone()
         };
-        let counts = match self.renderer.render(subject.scene, &options)?.picture {
+        let counts = match self.render(subject.scene, &options)?.picture {
             Picture::Fetches(counts) => counts,
             _ => Vec::new(),
         };
         let mut samples = BTreeMap::<_, u64>::new();
-        for (counts, truth) in counts.iter().zip(&subject.truth.terms) {
-            for (pixel, (count, term)) in counts.iter().zip(truth).enumerate() {
-                if term.is_some() && subject.agrees(pixel) {
-                    // A whole number, as it was counted.
-                    *samples.entry(*count as u32).or_default() += 1;
-                }
-            }
+        for count in subject.compared(&counts) {
+            // A whole number, as it was counted.
+            *samples.entry(count as u32).or_default() += 1;
         }
         let all: u64 = samples.values().sum();
         let shares = samples.into_iter();
@@ -186,7 +192,7 @@ impl Lab {
             timed: true,
             ..options.clone()
         };
-        self.renderer.render(subject.scene, &options)
+        self.render(subject.scene, &options)
     }
 
     /// The scene without its shadows.
@@ -212,7 +218,7 @@ impl Lab {
         subject: &Subject<'_>,
     ) -> Result<Vec<[f32; 3]>, RenderError> {
         let options = plain(subject.truth);
-        Ok(pixels(&self.renderer.render(scene, &options)?.picture).to_vec())
+        Ok(pixels(&self.render(scene, &options)?.picture).to_vec())
     }
 
     /// The permutations that draw the lights of a picture.
@@ -222,8 +228,19 @@ impl Lab {
     ) -> Result<Vec<Arc<Permutation>>, StudyError> {
         let used = rendered.report.permutations.iter();
         let lit = used.filter(|used| matches!(used.key.get("pass"), Some("illumination" | "mask")));
-        lit.map(|used| Ok(self.composer.compose(&used.key)?.permutation))
-            .collect()
+        lit.map(|used| Ok(self.compose(&used.key)?)).collect()
+    }
+
+    pub(super) fn compose(&self, key: &Key) -> Result<Arc<Permutation>, umbrage_compose::Error> {
+        Ok(self.composer.compose(key)?.permutation)
+    }
+
+    pub(super) fn render(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+    ) -> Result<Rendered, RenderError> {
+        self.renderer.render(scene, options)
     }
 }
 
@@ -237,6 +254,17 @@ impl Subject<'_> {
         let seen = self.truth.sight.seen().get(pixel).copied().flatten();
         let seen = seen.map(|seen| (seen.object, seen.triangle));
         self.raster.get(pixel).copied().flatten() == seen
+    }
+
+    /// Of `values`, by lights and pixels, those that are compared.
+    pub(super) fn compared<T: Copy>(&self, values: &[Vec<T>]) -> impl Iterator<Item = T> {
+        let lights = values.iter().zip(&self.truth.terms);
+        lights.flat_map(|(values, truth)| {
+            let pixels = values.iter().zip(truth).enumerate();
+            pixels.filter_map(|(pixel, (value, term))| {
+                (term.is_some() && self.agrees(pixel)).then_some(*value)
+            })
+        })
     }
 
     /// The errors of the shadow terms in `rendered`.
@@ -317,6 +345,14 @@ impl Subject<'_> {
             shaded.as_ref(),
         )?)
     }
+}
+
+/// The mean of numbers, by the share of each.
+pub(super) fn mean(shares: &BTreeMap<u32, f64>) -> f64 {
+    let parts = shares.iter();
+    parts
+        .map(|(number, share)| f64::from(*number) * share)
+        .sum()
 }
 
 /// The shadow terms of a rendering, by lights.

@@ -2,6 +2,7 @@
 
 mod compare;
 mod config;
+mod decisions;
 mod error;
 mod lab;
 mod motion;

@@ -3,12 +3,12 @@
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use umbrage_compose::{Composer, Library, RonFile, Target};
-use umbrage_render::{Gpu, RenderOptions, Scene};
+use umbrage_render::{Decision, Gpu, Picture, RenderOptions, Scene, What};
 use umbrage_shadow::{Frame, Light, PlanError, Setting, ShadowMethod, ShadowPlan, Support};
 
 use super::{
-    Config, Lab,
-    lab::{pixels, terms},
+    CompareOptions, Config, Lab, compare,
+    lab::{mean, pixels, terms},
     motion::cameras,
     stress,
     timing::baseline,
@@ -265,6 +265,95 @@ fn a_variant_is_tried_where_it_can_be_itself() {
         stressed.skipped[1].2,
         "the case has `pcf` at 3, the variant at 15"
     );
+}
+
+/// What no shader of a configuration can tell at once is not asked; what it can, is told as the picture has it.
+#[test]
+fn decisions_are_looked_for_where_filters_can_be_spared() {
+    let mut lab = lab();
+    let scene = example("bunny_sun.ron");
+    let truth = Truth::trace(&scene, SIZE, &[], &|| ()).expect("traced");
+    let subject = lab.subject(&scene, &truth).expect("drawn");
+    let axis = lab.library().axes().get("filter").expect("an axis");
+    let filters: Vec<_> = axis.values().map(str::to_owned).collect();
+    let config = |filter: &str| Config {
+        method: "basic".to_owned(),
+        axes: [("filter", filter), ("pcf", "7"), ("block", "8")]
+            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
+            .into(),
+        ..Config::default()
+    };
+    let mut able = 0;
+    for filter in &filters {
+        let own = config(filter);
+        let options = own.options(SIZE);
+        let counted = lab.fetches(&subject, &options).expect("drawn");
+        let found = lab.decided(&subject, &own, mean(&counted)).expect("drawn");
+        let options = RenderOptions {
+            what: What::Decisions,
+            ..options
+        };
+        let picture = lab.render(&scene, &options).expect("drawn").picture;
+        let Picture::Decisions(drawn) = picture else {
+            panic!("decisions were asked for");
+        };
+        let told = |found: &Decision| ![Decision::Unasked, Decision::Filtered].contains(found);
+        assert_eq!(found.is_some(), drawn.concat().iter().any(told), "{filter}");
+        let Some((decided, picture)) = found else {
+            continue;
+        };
+        able += 1;
+        assert_eq!(picture.dimensions(), SIZE);
+        let shares = decided.at_once() + decided.filtered;
+        assert!((shares - 1.0).abs() < 1e-9, "{filter}: {decided:?}");
+        // All but what stays open is told by a fetch, in place of sixteen.
+        if filter == "hpsm" {
+            let whole = lab.fetches(&subject, &config("pcf").options(SIZE));
+            let asked = mean(&whole.expect("drawn")) / 16.0;
+            let saved = asked * (16.0 * decided.at_once() - 1.0);
+            let found = decided.fetches_saved.expect("the filter was chosen");
+            assert!((found - saved).abs() < 1e-6, "{found}, not {saved}");
+            assert!(decided.by_plane() > 0.5 && found > 5.0, "{decided:?}");
+        }
+    }
+    assert!((1..filters.len()).contains(&able), "{able}");
+
+    let named = |filter: &str| Config {
+        name: filter.to_owned(),
+        ..config(filter)
+    };
+    let options = CompareOptions {
+        size: SIZE,
+        rounds: 1,
+        frames: 0,
+        store: None,
+        command: String::new(),
+    };
+    let scenes = [("bunny".to_owned(), scene)];
+    let configs = [named("pcf"), named("min_max")];
+    let compared = compare(
+        &mut lab,
+        &scenes,
+        &configs,
+        &options,
+        Err(String::new()),
+        &(),
+    );
+    let compared = compared.expect("measured");
+    let [plain, bounded] = compared.report.rows.as_slice() else {
+        panic!("two rows");
+    };
+    let found = bounded.decided.expect("it can tell");
+    assert_eq!((plain.decided, found.by_plane()), (None, 0.0));
+    assert!(found.by_depth() > 0.01, "{found:?}");
+    let saved = plain.fetches_per_pixel - bounded.fetches_per_pixel;
+    assert_eq!(found.fetches_saved, Some(saved));
+    let decisions = |row: usize| {
+        compared.pictures[row]
+            .files()
+            .any(|(name, _)| name == "decisions")
+    };
+    assert!(!decisions(0) && decisions(1));
 }
 
 #[test]

@@ -2,8 +2,7 @@
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
-    Aabb, Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap,
-    split_depths,
+    Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap, split_depths,
 };
 
 use super::Lookup;
@@ -115,13 +114,18 @@ impl Job {
 
     pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
         let lens = Lens::directional(direction);
-        let slices = self.slices(&lens, DVec3::ZERO, None)?;
-        let everything = self.everything(&lens);
+        let Some(shaded) = job::shaded(&lens, &self.boxes.casters) else {
+            return Ok(Splits {
+                base: lens.base(),
+                splits: Vec::new(),
+            });
+        };
+        let slices = self.slices(&lens, DVec3::ZERO, None, Some(&shaded))?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
             let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, &everything, least, slice.inner)
+                self.around_sphere(&lens, slice.held, &shaded, least, slice.inner)
             } else {
                 self.around(&seen.rect, least, slice.inner)
             };
@@ -145,7 +149,7 @@ impl Job {
         let lens = Lens::spot(position, direction);
         let floor = NEAREST * range;
         let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
-        let slices = self.slices(&lens, position, Some(&cone))?;
+        let slices = self.slices(&lens, position, Some(&cone), None)?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
             let least = seen.precision / seen.far;
@@ -166,12 +170,14 @@ impl Job {
         })
     }
 
-    /// The splits that receivers touch. `cone` is what the light reaches.
+    /// The splits that receivers touch. `cone` is what the light reaches, `shaded` the part of the lens's plane where
+    /// there is shadow, where these are less than all.
     fn slices(
         &self,
         lens: &Lens,
         position: DVec3,
         cone: Option<&Frustum>,
+        shaded: Option<&Rect>,
     ) -> Result<Vec<Slice>, PlanError> {
         let Some([near, far]) = self.range(cone) else {
             return Ok(Vec::new());
@@ -182,7 +188,9 @@ impl Job {
                 .view
                 .part_relative(near * (1.0 - PADDING), far * (1.0 + PADDING));
             let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
-            Extent::of(lens, position, &self.boxes.receivers, &volumes)
+            let seen = Extent::of(lens, position, &self.boxes.receivers, &volumes)?;
+            let rect = shaded.map_or(Some(seen.rect), |shaded| shaded.intersection(&seen.rect))?;
+            Some(Extent { rect, ..seen })
         };
         let mut slices = Vec::<Slice>::new();
         for pair in depths.windows(2) {
@@ -253,12 +261,12 @@ impl Job {
     }
 
     /// The square on the world's grid of texels around all that the camera may see between two view depths,
-    /// wherever it looks; or around `everything`, where that is less.
+    /// wherever it looks; or around all that is `shaded`, where that is less.
     fn around_sphere(
         &self,
         lens: &Lens,
         [near, far]: [f64; 2],
-        everything: &Rect,
+        shaded: &Rect,
         least: f64,
         inner: f64,
     ) -> Rect {
@@ -268,21 +276,13 @@ impl Job {
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.boxes.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let whole = rounded_up(everything.size().max_element(), 8.0);
+        let whole = rounded_up(shaded.size().max_element(), 8.0);
         let (center, size) = if whole < 2.0 * radius {
-            (0.5 * (everything.min + everything.max), whole)
+            (0.5 * (shaded.min + shaded.max), whole)
         } else {
             (center, 2.0 * radius)
         };
         self.snapped(anchor, center, stable_texel(size, least, inner))
-    }
-
-    /// Where all casters and receivers lie in the lens's plane, relative to the camera: what does not depend on where
-    /// that looks.
-    fn everything(&self, lens: &Lens) -> Rect {
-        let boxes = self.boxes.casters.iter().chain(&self.boxes.receivers);
-        let corners = boxes.flat_map(Aabb::corners);
-        Rect::from_points(corners.map(|corner| lens.place(corner).0)).unwrap_or(Rect::square(0.0))
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.

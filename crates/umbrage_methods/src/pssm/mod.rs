@@ -5,7 +5,8 @@
 //! # How it works
 //! The range of view depths where receivers are seen, no farther than `shadow_distance`, is split by the
 //! practical scheme (see [`split_depths`](umbrage_shadow::split_depths)). Each split's map holds the receivers seen
-//! in it; a split without any has no map, no pass, and no texels. Into it are drawn the casters between its
+//! in it; a split without any has no map, no pass, and no texels; nor has one whose receivers all lie beside all casters,
+//! seen from a sun. Into it are drawn the casters between its
 //! receivers and the light, with the near plane at the nearest of them. Of a spot light the maps are crops of
 //! the light's own perspective, before its division.
 //!
@@ -15,11 +16,11 @@
 //! Two ways to fit, the axis `fit`:
 //! - `stable`: a map is a square around the split's bounding sphere, whose size depends on neither the place
 //!   of the camera nor where it looks. Its corner stands on a grid of texels that is fixed in the world, in f64. So
-//!   a texel covers the same part of the world from frame to frame, and edges do not crawl. Where all casters and
-//!   receivers lie in less than the sphere, the square is theirs, rounded up to an eighth of an octave. The range's ends
+//!   a texel covers the same part of the world from frame to frame, and edges do not crawl. Where all casters
+//!   lie in less than the sphere, the square is theirs, rounded up to an eighth of an octave. The range's ends
 //!   are rounded outwards to powers of two: they seldom change. Of a spot light, the square around the receivers is
 //!   rounded up to a power of √2, on a grid that is fixed to the light.
-//! - `tight`: the rectangle of the receivers seen in the split, and the range as it is. Texels are finer, and
+//! - `tight`: the rectangle of the receivers seen in the split, as far as casters lie in it, and the range as it is. Texels are finer, and
 //!   follow the view from frame to frame.
 //!
 //! What is split is what receivers' boxes say may be seen. They say too much where something near hides a long street:

@@ -164,6 +164,7 @@ fn the_filter_is_a_box_of_bilinear_comparisons() {
         min: DVec3::new(-1.0, -1.0, -7.0),
         max: DVec3::new(1.0, 0.0, -5.0),
     }];
+    scene.casters = scene.receivers.clone();
     for width in [1u32, 3, 5, 15] {
         scene.width = width;
         let plan = plan(&scene).expect("a plan");

@@ -35,14 +35,16 @@ proptest! {
     fn a_map_holds_the_receivers_of_its_split(
         at in prop::collection::vec(vector(1.0), 32), yaw in -3.0..3.0, pitch in -1.2..0.3,
         place in vector(30.0), spot in any::<bool>(), fit in 0usize..2, transition in 0usize..3, splits in 1..=8u32,
-        half in 0u32..8, taper in any::<bool>(),
+        half in 0u32..8, taper in any::<bool>(), ground_casts in any::<bool>(),
     ) {
         let kind = if spot { lamp() } else { sun() };
         let mut scene = Scene::new(kind.clone());
         scene.view.position = place + DVec3::Y * 31.0;
         scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
-        scene.receivers = vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)];
-        scene.casters = scene.receivers.clone();
+        scene.hold(vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)]);
+        if !ground_casts {
+            scene.casters.remove(0);
+        }
         scene.choose("fit", ["stable", "tight"][fit]);
         scene.choose("transition", ["hard", "blend", "dither"][transition]);
         scene.choose("pcf", &(2 * half + 1).to_string());
@@ -56,7 +58,7 @@ proptest! {
             let point = receiver.center() + 0.5 * t * (receiver.max - receiver.min);
             let relative = point - scene.view.position;
             let seen = scene.view.frustum().contains(point) && in_light(&kind, point);
-            if !seen {
+            if !seen || !(spot || is_between(&scene.casters, point)) {
                 continue;
             }
             let depth = relative.dot(scene.view.forward());
@@ -85,7 +87,7 @@ proptest! {
             scene.view.position = origin + place + DVec3::Y * 5.0;
             scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
             // Around and below, so that the whole range is seen wherever the camera looks.
-            scene.receivers = vec![Aabb { min: origin - 900.0, max: origin + 900.0 }];
+            scene.hold(vec![Aabb { min: origin - 900.0, max: origin + 900.0 }]);
             let plan = scene.plan()?;
             let grid = crops(&plan).into_iter().map(|(scale, offset)| {
                 // The texel that the world's origin, as seen along the light, would have: in f64 again, for what
@@ -107,6 +109,16 @@ proptest! {
             }
         }
     }
+}
+
+/// Whether the sun sees a point between the casters' outermost ends.
+fn is_between(casters: &[Aabb], point: DVec3) -> bool {
+    let lens = Lens::directional(direction());
+    let corners = casters.iter().flat_map(Aabb::corners);
+    let all = Rect::from_points(corners.map(|corner| lens.place(corner).0));
+    let at = Rect::from_points([lens.place(point).0]);
+    all.zip(at)
+        .is_some_and(|(all, at)| all.intersection(&at).is_some())
 }
 
 fn direction() -> DVec3 {
@@ -154,8 +166,7 @@ fn a_split_without_receivers_costs_nothing() {
     let mut scene = Scene::new(sun());
     let near = post(DVec3::new(0.0, -0.5, -2.0), 1.0);
     let far = post(DVec3::new(0.0, -0.5, -150.0), 1.0);
-    scene.receivers = vec![near, far];
-    scene.casters = vec![near, far];
+    scene.hold(vec![near, far]);
     let plan = scene.plan().expect("a plan");
     let passes = passes(&plan);
     assert_eq!(passes.len(), 2, "{passes:?}");
@@ -176,8 +187,7 @@ fn a_stable_map_holds_no_more_than_there_is() {
         min: DVec3::new(-6.0, 0.0, -10.0),
         max: DVec3::new(6.0, 5.0, 0.0),
     };
-    scene.receivers = vec![hall];
-    scene.casters = vec![hall];
+    scene.hold(vec![hall]);
     scene.view.position = DVec3::new(0.0, 2.0, -1.0);
     let lens = Lens::directional(direction());
     let places = hall.corners().map(|corner| lens.place(corner).0);
@@ -204,11 +214,35 @@ fn a_stable_map_holds_no_more_than_there_is() {
     }
 }
 
+/// Where nothing casts there is no map, and where little does, no texel is beside it.
+#[test]
+fn a_map_holds_what_may_be_shaded() {
+    let mut scene = Scene::new(sun());
+    scene.receivers = vec![ground(100.0)];
+    scene.view.position = DVec3::Y * 2.0;
+    assert!(passes(&scene.plan().expect("a plan")).is_empty());
+    let caster = post(DVec3::new(0.0, 0.0, -20.0), 3.0);
+    scene.casters = vec![caster];
+    let lens = Lens::directional(direction());
+    let places = caster.corners().map(|corner| lens.place(corner).0);
+    let size = Rect::from_points(places).expect("corners").size();
+    for fit in ["stable", "tight"] {
+        scene.choose("fit", fit);
+        let plan = scene.plan().expect("a plan");
+        let scales = crops(&plan);
+        assert!((1..4).contains(&scales.len()), "{fit}: {scales:?}");
+        for (scale, _) in scales {
+            let most = 1.1 * size.max_element() / (1024.0 - 10.0);
+            assert!(1.0 / scale < most, "{fit}: {scale}, {most}");
+        }
+    }
+}
+
 /// A tower beside the view, towards the light, shades what is seen, and is drawn with nothing cut away.
 #[test]
 fn casters_out_of_sight_are_drawn() {
     let mut scene = Scene::new(sun());
-    scene.receivers = vec![ground(50.0)];
+    scene.hold(vec![ground(50.0)]);
     scene.view.position = DVec3::Y * 2.0;
     let tower = Aabb {
         min: DVec3::new(-1.0, 0.0, -11.0) - 200.0 * direction(),
@@ -241,7 +275,7 @@ fn casters_out_of_sight_are_drawn() {
 #[test]
 fn shadows_end_at_their_distance() {
     let mut scene = Scene::new(sun());
-    scene.receivers = vec![ground(100.0)];
+    scene.hold(vec![ground(100.0)]);
     scene.view.position = DVec3::Y * 2.0;
     scene.set("shadow_distance", 20.0);
     let plan = scene.plan().expect("a plan");
@@ -250,7 +284,7 @@ fn shadows_end_at_their_distance() {
     let last = passes(&plan).last().and_then(|pass| pass.receivers);
     assert_eq!(last.map(|depths| depths[1]), Some(20.0));
     // All that is seen lies beyond.
-    scene.receivers = vec![post(DVec3::new(0.0, 0.0, -60.0), 2.0)];
+    scene.hold(vec![post(DVec3::new(0.0, 0.0, -60.0), 2.0)]);
     let plan = scene.plan().expect("a plan");
     assert!(plan.passes.is_empty());
     assert_eq!(plan.constants.get("reach"), Some(&Value::F32(f32::MIN)));
@@ -269,7 +303,7 @@ fn regions(plan: &ShadowPlan) -> Vec<(f64, Vec<(&str, &str)>)> {
 #[test]
 fn regions_are_splits_and_their_bands() {
     let mut scene = Scene::new(sun());
-    scene.receivers = vec![ground(100.0)];
+    scene.hold(vec![ground(100.0)]);
     scene.view.position = DVec3::Y * 2.0;
     scene.choose("pcf", "5");
     let plan = scene.plan().expect("a plan");
@@ -331,7 +365,7 @@ fn regions_are_splits_and_their_bands() {
 #[test]
 fn splits_lie_where_pixels_see_something() {
     let mut scene = Scene::new(sun());
-    scene.receivers = vec![ground(100.0)];
+    scene.hold(vec![ground(100.0)]);
     scene.view.position = DVec3::Y * 2.0;
     let range = |scene: &Scene| {
         let plan = scene.plan().expect("a plan");
@@ -407,7 +441,7 @@ fn what_cannot_be_planned_is_told() {
     );
     assert!(matches!(Pssm.supports(&scene.light), Support::No(_)));
     scene = Scene::new(sun());
-    scene.receivers = vec![ground(100.0)];
+    scene.hold(vec![ground(100.0)]);
     scene.view.position = DVec3::Y * 2.0;
     scene.set("resolution", 8192.0);
     assert!(

@@ -54,6 +54,12 @@ impl Scene {
         }
     }
 
+    /// Has these cast and receive.
+    pub(crate) fn hold(&mut self, boxes: Vec<Aabb>) {
+        self.casters.clone_from(&boxes);
+        self.receivers = boxes;
+    }
+
     pub(crate) fn choose(&mut self, axis: &str, value: &str) {
         self.axes.insert(axis.to_owned(), value.to_owned());
     }

@@ -1,6 +1,7 @@
 //! What the page says of one scene.
 
 use maud::{Markup, html};
+use umbrage_render::Decision;
 
 use super::{Page, data_url};
 use crate::report::{
@@ -146,6 +147,7 @@ impl Page<'_> {
                     span { span.patch.bad {} "bad pixel" }
                     span.js hidden { "Click a picture to enlarge it." }
                 }
+                @if front.iter().chain(&rest).any(|(.., pictures)| pictures.decisions.is_some()) { (decisions()) }
                 @for (index, row, pictures) in front {
                     article.row id={ "row-" (index) } {
                         h3 { (self.title(row)) }
@@ -196,6 +198,28 @@ impl Page<'_> {
                 }
                 (picture("difference", &pictures.difference))
                 @if let Some(shaded) = &pictures.shaded { (picture("shaded", shaded)) }
+                @if let Some(decisions) = &pictures.decisions { (picture("decisions", decisions)) }
+            }
+        }
+    }
+}
+
+/// What the colours of decisions mean.
+fn decisions() -> Markup {
+    let colors = [
+        (Decision::LitByPlane, "lit by a plane"),
+        (Decision::LitByDepth, "lit by depth"),
+        (Decision::ShadowedByPlane, "shadowed by a plane"),
+        (Decision::ShadowedByDepth, "shadowed by depth"),
+        (Decision::Filtered, "filtered"),
+        (Decision::Unasked, "no map asked"),
+    ];
+    html! {
+        p.legend {
+            "Decisions, the mean over the lights:"
+            @for (decision, title) in colors {
+                @let [r, g, b] = decision.color();
+                span { span.patch style={ "background:rgb(" (r) " " (g) " " (b) ")" } {} (title) }
             }
         }
     }

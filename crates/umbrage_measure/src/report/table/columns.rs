@@ -27,10 +27,11 @@ pub(super) struct Column {
     /// The figure, in the column's unit.
     pub(super) value: fn(&Row) -> Option<f64>,
     pub(super) show: fn(f64) -> String,
-    pub(super) spread: Option<fn(&Row) -> Spread>,
+    /// What stands beside it, small.
+    pub(super) beside: Option<fn(&Row) -> Option<String>>,
 }
 
-/// A column without a spread.
+/// A column with nothing beside its figure.
 const fn column(
     name: &'static str,
     title: &'static str,
@@ -46,7 +47,7 @@ const fn column(
         about,
         value,
         show,
-        spread: None,
+        beside: None,
     }
 }
 
@@ -96,7 +97,7 @@ macro_rules! isa {
 macro_rules! spread {
     ($name:ident, $title:literal, $about:literal) => {
         Column {
-            spread: Some(|row| row.$name),
+            beside: Some(|row| Some(range(row.$name))),
             ..column(
                 stringify!($name),
                 $title,
@@ -107,6 +108,24 @@ macro_rules! spread {
             )
         }
     };
+}
+
+/// A share of how receivers were decided, in percent.
+macro_rules! decided {
+    ($name:ident, $title:literal, $about:literal) => {
+        column(
+            stringify!($name),
+            $title,
+            "%",
+            $about,
+            |row| row.decided.map(|decided| decided.$name * 100.0),
+            number,
+        )
+    };
+}
+
+fn range(Spread { min, max, .. }: Spread) -> String {
+    format!("{}–{}", number(min), number(max))
 }
 
 pub(super) fn count(value: u64) -> f64 {
@@ -238,7 +257,7 @@ pub(super) static GROUPS: &[Group] = &[
         shown: true,
         columns: &[
             Column {
-                spread: Some(|row| row.time_ratio_spread),
+                beside: Some(|row| Some(range(row.time_ratio_spread))),
                 ..column(
                     "time_ratio",
                     "time",
@@ -280,13 +299,30 @@ pub(super) static GROUPS: &[Group] = &[
                 number,
             ),
             column(
-                "cut_short",
-                "cut short",
-                "%",
-                "pixels that take fewer fetches than the costliest: a filter that was spared, or a map that was not asked",
-                |row| Some(row.cut_short() * 100.0),
+                "fetches_saved",
+                "saved",
+                "per px",
+                "fetches fewer than of the same filter always run; below 0: bounds cost more than they spare",
+                |row| row.decided?.fetches_saved,
                 number,
             ),
+            Column {
+                beside: Some(|row| {
+                    let [plane, depth] = row
+                        .decided
+                        .map(|d| [d.by_plane(), d.by_depth()])?
+                        .map(|s| number(s * 100.0));
+                    Some(format!("plane {plane}, depth {depth}"))
+                }),
+                ..column(
+                    "decided",
+                    "decided at once",
+                    "%",
+                    "receivers, of those that ask a map, whose light was told without filtering: all, by planes, by the least and the greatest depth",
+                    |row| row.decided.map(|decided| decided.at_once() * 100.0),
+                    number,
+                )
+            },
             column(
                 "texels",
                 "texels",
@@ -311,6 +347,30 @@ pub(super) static GROUPS: &[Group] = &[
                 |row| Some(f64::from(row.draws)),
                 whole,
             ),
+        ],
+    },
+    Group {
+        id: "decided",
+        title: "Decided at once",
+        shown: false,
+        columns: &[
+            decided!(
+                lit_by_plane,
+                "lit by plane",
+                "before a plane that no depth around is before"
+            ),
+            decided!(lit_by_depth, "lit by depth", "no depth around is greater"),
+            decided!(
+                shadowed_by_plane,
+                "shadowed by plane",
+                "behind a plane that all depths around are before"
+            ),
+            decided!(
+                shadowed_by_depth,
+                "shadowed by depth",
+                "all depths around are greater"
+            ),
+            decided!(filtered, "filtered", "left open, and filtered"),
         ],
     },
     Group {
@@ -393,7 +453,7 @@ mod tests {
                     for (member, value) in members {
                         match (name.as_str(), member.as_str()) {
                             ("isa", "family") | (_, "min" | "max") => {}
-                            // Of `time_ratio`, which is its median; and of `cut_short`.
+                            // Of `time_ratio`, which is its median; and of `fetches_per_pixel`, their mean.
                             ("time_ratio_spread" | "fetch_shares", _) => {}
                             (_, "median") => {
                                 figures.insert(name.clone(), value.as_f64().expect("a number"));
@@ -411,8 +471,8 @@ mod tests {
             }
         }
         figures.insert("error".to_owned(), row.error());
-        // All but those that take 16 fetches.
-        figures.insert("cut_short".to_owned(), 0.9125);
+        // All but what is filtered.
+        figures.insert("decided".to_owned(), 0.9175);
         let mut values: Vec<f64> = figures.values().copied().collect();
         values.sort_by(f64::total_cmp);
         values.dedup();

@@ -7,6 +7,7 @@ use std::{collections::BTreeSet, fs};
 use image::RgbImage;
 use scraper::{Html, Selector};
 use serde_json::Value;
+use umbrage_render::Decision;
 
 use super::{
     FORMAT, Pictures, Report, ReportError, check_earlier,
@@ -258,6 +259,64 @@ fn a_shaded_picture_is_shown_beside_the_others() {
         texts(&parsed(&html), "#row-0 figcaption"),
         ["shadow term", "truth", "difference", "shaded"]
     );
+}
+
+#[test]
+fn decisions_are_in_the_table_and_among_the_pictures() {
+    let report = Report {
+        rows: vec![full_row(), row("scene", "basic", "plain")],
+        ..Report::default()
+    };
+    let mut pictures = pictures_of(&report);
+    let drawn = RgbImage::from_pixel(160, 90, image::Rgb(Decision::LitByPlane.color()));
+    pictures[0] = pictures[0]
+        .clone()
+        .with_decisions(&drawn)
+        .expect("of one size");
+    let (json, html) = render(&report, &pictures).expect("a report");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["rows"][0]["decided"]["lit_by_plane"], 0.505);
+    assert_eq!(json["rows"][1]["decided"], Value::Null);
+    let page = parsed(&html);
+    // 0.505 + 0.3675 and 0.0125 + 0.0325.
+    let cells = texts(&page, "#figures td.g-cost");
+    assert!(
+        cells.contains(&"91.8 plane 87.2, depth 4.50".to_owned()),
+        "{cells:?}"
+    );
+    // The row with the least error comes first.
+    assert_eq!(
+        texts(&page, "#figures td.g-decided"),
+        [
+            "–", "–", "–", "–", "–", "50.5", "1.25", "36.8", "3.25", "8.25"
+        ]
+    );
+    assert_eq!(
+        texts(&page, "#row-0 figcaption"),
+        ["shadow term", "truth", "difference", "decisions"]
+    );
+    assert_eq!(texts(&page, "#row-1 figcaption").len(), 3);
+    assert!(texts(&page, "#row-0 .fig").contains(&"91.8\u{202f}% decided at once".to_owned()));
+    let colors = attributes(&page, ".legend .patch", "style");
+    let [r, g, b] = Decision::LitByPlane.color();
+    assert_eq!(colors.len(), Decision::ALL.len());
+    assert!(
+        colors.contains(&format!("background:rgb({r} {g} {b})")),
+        "{colors:?}"
+    );
+    // Where nothing is decided, the colours need no key.
+    let plain = parsed(&page_of(&report));
+    assert!(attributes(&plain, ".legend .patch", "style").is_empty());
+}
+
+#[test]
+fn every_group_of_columns_can_be_hidden() {
+    let html = page_of(&fake_report());
+    for id in attributes(&parsed(&html), ".controls fieldset input", "id") {
+        let group = id.strip_prefix("show-").expect("a group");
+        let rule = format!("body:has(#show-{group}:not(:checked)) .g-{group}");
+        assert!(html.contains(&rule), "{rule}");
+    }
 }
 
 #[test]

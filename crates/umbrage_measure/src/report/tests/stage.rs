@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::{
     figures::Figures,
-    report::{Isa, Pictures, Report, Row, SceneInfo, Skipped, Spread},
+    report::{Decided, Isa, Pictures, Report, Row, SceneInfo, Skipped, Spread},
 };
 
 /// A row with an error of 0, and a time.
@@ -78,6 +78,14 @@ pub(in crate::report) fn full_row() -> Row {
         draws: 6004,
         fetches_per_pixel: 5.2,
         fetch_shares: BTreeMap::from([(2, 0.9125), (16, 0.0875)]),
+        decided: Some(Decided {
+            lit_by_depth: 0.0125,
+            lit_by_plane: 0.505,
+            shadowed_by_depth: 0.0325,
+            shadowed_by_plane: 0.3675,
+            filtered: 0.0825,
+            fetches_saved: Some(5.3),
+        }),
         isa: Some(Isa {
             family: "navi21".to_owned(),
             instructions: 7001,
