@@ -5,15 +5,15 @@ use umbrage::{
     compose::{Error, Package},
     methods::basic::Basic,
     shadow::{
-        Blend, ColorTarget, Frame, Light, Pass, PlanError, Setting, ShadowMethod, ShadowPlan,
-        Support, TextureDesc,
+        Blend, ColorTarget, Frame, Light, Pass, PlanError, Registry, Setting, ShadowMethod,
+        ShadowPlan, Support, TextureDesc,
     },
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
 /// The method `colored`, for lights with one map.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Colored;
+struct Colored;
 
 impl ShadowMethod for Colored {
     fn name(&self) -> &str {
@@ -50,6 +50,16 @@ impl ShadowMethod for Colored {
         plan.fetches_per_pixel = 1;
         Ok(plan)
     }
+}
+
+/// All methods, and `colored`.
+///
+/// # Panics
+/// Where another method is called the same.
+pub fn registry() -> Registry {
+    let mut registry = umbrage::methods::registry().expect("names are unique");
+    registry.register(Colored).expect("names are unique");
+    registry
 }
 
 /// The package of its shader, whose term is the depth in the texel that the receiver falls into.

@@ -7,7 +7,7 @@ mod maps;
 mod oracle;
 mod stage;
 
-pub use colored::{Colored, colored_package};
+pub use colored::{colored_package, registry};
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
 pub use stage::{Stage, stage};

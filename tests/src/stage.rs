@@ -13,6 +13,8 @@ use umbrage::{
     shadow::{Light, LightKind},
 };
 
+use crate::registry;
+
 /// Squares of the screen's mask along each side.
 const MASK: u32 = 4;
 
@@ -167,7 +169,7 @@ fn light(
         },
         _ => LightKind::Directional { direction },
     };
-    let known = umbrage::methods::registry().expect("names are unique");
+    let known = registry();
     // `none` is no method.
     let shadow = known.get(method).ok().map(|known| {
         let axes = known.axes().iter().map(|axis| {

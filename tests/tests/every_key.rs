@@ -16,9 +16,8 @@ use rayon::prelude::*;
 use umbrage::{
     compose::{Composer, Key, Library, Manifest, Target},
     render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
-    shadow::Registry,
 };
-use umbrage_tests::{Colored, Oracle, Pixel, Stage, colored_package, stage};
+use umbrage_tests::{Oracle, Pixel, Stage, colored_package, registry, stage};
 
 const SIZE: u32 = 40;
 /// Steps along a ray through the air.
@@ -80,12 +79,6 @@ fn library() -> Library {
     let ours = umbrage::shader_package().expect("the shader library is sound");
     let colored = colored_package().expect("the test's own is sound");
     Library::new([ours, colored]).expect("they fit together")
-}
-
-fn registry() -> Registry {
-    let mut registry = umbrage::methods::registry().expect("names are unique");
-    registry.register(Colored).expect("names are unique");
-    registry
 }
 
 struct Studio {
