@@ -26,6 +26,8 @@ use umbrage_measure::{
 };
 use umbrage_render::{Gpu, Renderer, Scene};
 
+use crate::timing::Way;
+
 /// The ways in which `pssm` finds a split's map, the naive one first.
 const LOOKUPS: [&str; 7] = [
     "branches",
@@ -54,7 +56,7 @@ struct Report {
     pssm_best_over_naive_throughput: f64,
     /// The same of one map for all depths, where no split is to be found: what no variant gets below.
     one_map_over_naive_throughput: f64,
-    /// Shading time of the default variant over that of the storage buffer's.
+    /// The time of the default variant's masks over that of the storage buffer's.
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
@@ -76,6 +78,7 @@ struct Variant {
     latency: u64,
     inverse_throughput: u64,
     throughput_over_naive: f64,
+    /// The pass that finds the shadow terms, once for each pixel: 3 × 3 comparisons.
     shading_ms: Spread,
     shading_over_naive: f64,
     fetches_per_pixel: f64,
@@ -98,6 +101,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     shafts.print();
     let exponential = exponential::measure(&mut renderer, &scenes)?;
     exponential.print();
+    let shading = shading(&mut renderer, &scene)?;
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
     configs.push(config("basic", "2048", ""));
@@ -135,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         lab.adapter(),
         family,
         rows,
-        &costs,
+        (&costs, shading),
         (bounds, exponential, shafts),
     )?;
     for (name, variant) in &report.variants {
@@ -195,6 +199,23 @@ fn midpoint(depth: &str) -> Config {
     config
 }
 
+/// The time of the masks' pass by each lookup.
+fn shading(
+    renderer: &mut Renderer,
+    scene: &Scene,
+) -> Result<[Spread; LOOKUPS.len()], Box<dyn Error>> {
+    let ways = LOOKUPS.map(|lookup| Way {
+        method: Some("pssm"),
+        axes: [("lookup", lookup), ("pcf", "3")],
+        path: umbrage_render::Path::Mask,
+    });
+    let rounds = timing::time(renderer, scene, ways)?;
+    Ok(std::array::from_fn(|i| {
+        let times = rounds.iter().map(|round| round[i].filtered);
+        Spread::of(&times.collect::<Vec<_>>())
+    }))
+}
+
 /// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
 fn cost(
     composer: &Composer,
@@ -222,26 +243,25 @@ fn report(
     adapter: &str,
     family: &str,
     rows: &[Row],
-    costs: &BTreeMap<&str, umbrage_isa::Isa>,
+    (costs, times): (&BTreeMap<&str, umbrage_isa::Isa>, [Spread; LOOKUPS.len()]),
     (bounds, exponential, shafts): (bounds::Report, exponential::Report, shafts::Report),
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
         found.ok_or_else(|| format!("{config} was not drawn"))
     };
-    let naive = (row("branches")?, &costs["branches"]);
+    let naive = &costs[LOOKUPS[0]];
     let mut variants = BTreeMap::new();
-    for lookup in LOOKUPS {
+    for (lookup, shading_ms) in LOOKUPS.into_iter().zip(times) {
         let (row, isa) = (row(lookup)?, &costs[lookup]);
         let variant = Variant {
             instructions: isa.instructions,
             vgprs: isa.vgprs,
             latency: isa.latency,
             inverse_throughput: isa.inverse_throughput,
-            throughput_over_naive: isa.inverse_throughput as f64
-                / naive.1.inverse_throughput as f64,
-            shading_ms: row.shading_ms,
-            shading_over_naive: row.shading_ms.median / naive.0.shading_ms.median,
+            throughput_over_naive: isa.inverse_throughput as f64 / naive.inverse_throughput as f64,
+            shading_ms,
+            shading_over_naive: shading_ms.median / times[0].median,
             fetches_per_pixel: row.fetches_per_pixel,
             error: row.error(),
         };
@@ -250,15 +270,15 @@ fn report(
     let throughputs = variants
         .values()
         .map(|variant| variant.throughput_over_naive);
-    let shading = |config: &str| Ok::<_, String>(row(config)?.shading_ms.median);
+    let shading = |lookup: &str| variants[lookup].shading_ms.median;
     let [single, two] = MIDPOINTS.map(|config| Ok::<_, String>(row(config)?.casters_ms.median));
     Ok(Report {
         adapter: adapter.to_owned(),
         family: family.to_owned(),
         pssm_best_over_naive_throughput: throughputs.fold(f64::INFINITY, f64::min),
         one_map_over_naive_throughput: costs[ONE_MAP].inverse_throughput as f64
-            / naive.1.inverse_throughput as f64,
-        pssm_default_over_storage_time: shading(DEFAULT)? / shading("storage")?,
+            / naive.inverse_throughput as f64,
+        pssm_default_over_storage_time: shading(DEFAULT) / shading("storage"),
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         midpoint_single_over_two: single? / two?,
         variants,

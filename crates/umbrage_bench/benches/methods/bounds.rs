@@ -74,8 +74,8 @@ pub(crate) fn measure(
         }
         for (path, sums) in [Path::Mask, Path::Forward].into_iter().zip(&mut sums) {
             let ways = CONFIGS.map(|(filter, width)| Way {
-                filter: Some(filter),
-                width,
+                method: None,
+                axes: [("filter", filter), ("pcf", width)],
                 path,
             });
             let rounds = time(renderer, &scene, ways)?;
@@ -161,8 +161,8 @@ fn count(
 ) -> Result<Figures, Box<dyn Error>> {
     let mut draw = |filter, what| {
         let way = Way {
-            filter: Some(filter),
-            width,
+            method: None,
+            axes: [("filter", filter), ("pcf", width)],
             path: Path::Forward,
         };
         draw(renderer, scene, way, what)

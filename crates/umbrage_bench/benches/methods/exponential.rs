@@ -43,8 +43,8 @@ pub(crate) fn measure(
     scenes: &FilePath,
 ) -> Result<Report, Box<dyn Error>> {
     let ways = FILTERS.map(|filter| Way {
-        filter,
-        width: "15",
+        method: filter.is_none().then_some("none"),
+        axes: [("filter", filter.unwrap_or("pcf")), ("pcf", "15")],
         path: Path::Forward,
     });
     let mut sums = [Times::default(); FILTERS.len()];

@@ -2,6 +2,7 @@
 
 use std::{error::Error, path::Path as FilePath};
 
+use umbrage_measure::report::Spread;
 use umbrage_render::{Path, RenderOptions, Rendered, Renderer, Scene, What};
 
 /// Each with the scene's own method: splits in the first, one map in the others.
@@ -14,12 +15,13 @@ pub(crate) const ROUNDS: usize = 9;
 /// Texels along a block: half as long to build as with 4, and up to 4 in 100 receivers more that stay open.
 const BLOCK: &str = "8";
 
-/// How a picture is drawn: a filter and its width, and how shadow terms come to the surfaces.
+/// How a picture is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
-    /// None is a picture without shadows.
-    pub filter: Option<&'static str>,
-    pub width: &'static str,
+    /// In place of the scene's own.
+    pub method: Option<&'static str>,
+    pub axes: [(&'static str, &'static str); 2],
+    /// How shadow terms come to the surfaces.
     pub path: Path,
 }
 
@@ -71,12 +73,10 @@ pub(crate) fn draw(
     way: Way,
     what: What,
 ) -> Result<Rendered, Box<dyn Error>> {
-    let axes = way.filter.map(|filter| ("filter", filter));
-    let axes: Vec<_> = axes.into_iter().chain([("pcf", way.width)]).collect();
     let options = RenderOptions {
-        method: way.filter.is_none().then(|| "none".to_owned()),
+        method: way.method.map(str::to_owned),
         path: way.path,
-        ..options(SIZE, &axes, what)
+        ..options(SIZE, &way.axes, what)
     };
     Ok(renderer.render(scene, &options)?)
 }
@@ -125,7 +125,5 @@ pub(crate) fn split(rendered: &Rendered, filtering: &str) -> Times {
 }
 
 pub(crate) fn median(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<_> = numbers.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+    Spread::of(&numbers.collect::<Vec<_>>()).median
 }
