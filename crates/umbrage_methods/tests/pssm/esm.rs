@@ -5,23 +5,12 @@ use umbrage_methods::basic::Basic;
 use umbrage_shadow::*;
 use wgpu_types::{Features, TextureFormat};
 
-use crate::scene::{Scene, ground, passes, post, sun};
-
-fn lamp() -> LightKind {
-    LightKind::Spot {
-        position: DVec3::new(2.0, 9.0, -4.0),
-        direction: DVec3::new(-0.2, -1.0, -0.3).normalize(),
-        inner_angle: 0.3,
-        outer_angle: 0.8,
-        range: 40.0,
-    }
-}
+use crate::scene::{Scene, ground, lamp, passes, post, sun};
 
 fn scene(kind: LightKind, filter: &str, width: u32) -> Scene {
     let mut scene = Scene::new(kind);
     scene.view.position = DVec3::Y * 2.0;
-    scene.receivers = vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)];
-    scene.casters = scene.receivers.clone();
+    scene.hold(vec![ground(60.0), post(DVec3::new(3.0, 0.0, -9.0), 4.0)]);
     scene.choose("filter", filter);
     scene.choose("pcf", &width.to_string());
     scene

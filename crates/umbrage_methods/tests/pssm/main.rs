@@ -12,20 +12,10 @@ use proptest::prelude::*;
 use umbrage_methods::pssm::Pssm;
 use umbrage_shadow::*;
 
-use crate::scene::{Scene, ground, passes, post, sun};
+use crate::scene::{Scene, ground, lamp, passes, post, sun};
 
 fn vector(range: f64) -> impl Strategy<Value = DVec3> {
     [-range..range, -range..range, -range..range].prop_map(DVec3::from)
-}
-
-fn lamp() -> LightKind {
-    LightKind::Spot {
-        position: DVec3::new(2.0, 9.0, -4.0),
-        direction: DVec3::new(-0.2, -1.0, -0.3).normalize(),
-        inner_angle: 0.3,
-        outer_angle: 0.8,
-        range: 40.0,
-    }
 }
 
 proptest! {

@@ -89,6 +89,16 @@ impl Scene {
     }
 }
 
+pub(crate) fn lamp() -> LightKind {
+    LightKind::Spot {
+        position: DVec3::new(2.0, 9.0, -4.0),
+        direction: DVec3::new(-0.2, -1.0, -0.3).normalize(),
+        inner_angle: 0.3,
+        outer_angle: 0.8,
+        range: 40.0,
+    }
+}
+
 pub(crate) fn sun() -> LightKind {
     LightKind::Directional {
         direction: DVec3::new(0.4, -1.0, 0.3).normalize(),
