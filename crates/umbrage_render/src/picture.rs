@@ -162,8 +162,8 @@ pub struct PassTime {
     pub light: Option<String>,
     /// Whether it is a pass of the light's plan: it makes what the shadow term is read from.
     pub planned: bool,
-    /// Between the pass's beginning and its end; milliseconds of the device's clock. Mesa's llvmpipe notes the beginning of a
-    /// compute pass that follows another at its end: next to nothing is left.
+    /// Between the pass's beginning and its end, or between the end of a compute pass and that of the compute pass that
+    /// follows it; milliseconds of the device's clock.
     pub milliseconds: f64,
 }
 

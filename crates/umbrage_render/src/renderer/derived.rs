@@ -98,7 +98,9 @@ impl Renderer {
         let inputs = inputs(job, &pass.shader, &light, &given, DrawState::NOTHING);
         let permutation = self.compose(frame, &inputs, job.cause, None)?;
         check_stores(job, pass, &permutation)?;
-        let mark = frame.timer.mark_map(&self.gpu, inputs.pass, inputs.cause);
+        let mark = frame
+            .timer
+            .mark_computed(&self.gpu, inputs.pass, inputs.cause);
         self.compute(frame, &inputs, permutation, pass.workgroups, mark)?;
         frame.report.derived_passes += 1;
         Ok(())

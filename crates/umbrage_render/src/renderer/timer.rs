@@ -29,6 +29,7 @@ struct Marked {
     pass: String,
     light: Option<String>,
     planned: bool,
+    computes: bool,
 }
 
 /// Where a pass notes when it begins and when it ends.
@@ -66,12 +67,22 @@ impl Timer {
 
     /// A mark for the next pass, one of the renderer's own; none where no times are taken.
     pub(super) fn mark(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
-        self.mark_next(gpu, pass, light, false)
+        self.mark_next(gpu, pass, light, [false; 2])
     }
 
-    /// The same for a pass of a light's plan.
+    /// The same for a pass of a light's plan that draws.
     pub(super) fn mark_map(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
-        self.mark_next(gpu, pass, light, true)
+        self.mark_next(gpu, pass, light, [true, false])
+    }
+
+    /// The same for one that computes.
+    pub(super) fn mark_computed(
+        &mut self,
+        gpu: &Gpu,
+        pass: &str,
+        light: Option<&str>,
+    ) -> Option<Mark> {
+        self.mark_next(gpu, pass, light, [true; 2])
     }
 
     fn mark_next(
@@ -79,7 +90,7 @@ impl Timer {
         gpu: &Gpu,
         pass: &str,
         light: Option<&str>,
-        planned: bool,
+        [planned, computes]: [bool; 2],
     ) -> Option<Mark> {
         self.period?;
         let query = 2 * self.marked.len() as u32;
@@ -87,6 +98,7 @@ impl Timer {
             pass: pass.to_owned(),
             light: light.map(str::to_owned),
             planned,
+            computes,
         });
         let set = (query / SET) as usize;
         if self.sets.len() == set {
@@ -150,16 +162,24 @@ impl Timer {
             ticks.extend(words.map(u64::from_le_bytes));
         })?;
         let spans = ticks.as_chunks::<2>().0.iter();
-        let passes = marked.into_iter().zip(spans);
-        Ok(passes
-            .map(|(marked, [start, end])| PassTime {
+        let mut times = Vec::new();
+        let mut computed = None;
+        for (marked, [start, end]) in marked.into_iter().zip(spans) {
+            // Mesa's llvmpipe notes the beginning of a compute pass that follows another at its end. Nothing is done
+            // between the two.
+            let start = computed
+                .filter(|_| marked.computes)
+                .map_or(*start, |before: &u64| *start.min(before));
+            computed = marked.computes.then_some(end);
+            times.push(PassTime {
                 pass: marked.pass,
                 light: marked.light,
                 planned: marked.planned,
                 // A clock that was set back between the two tells nothing.
-                milliseconds: end.saturating_sub(*start) as f64 * period * 1e-6,
-            })
-            .collect())
+                milliseconds: end.saturating_sub(start) as f64 * period * 1e-6,
+            });
+        }
+        Ok(times)
     }
 }
 
