@@ -23,8 +23,7 @@ pub(crate) struct Report {
     esm15_over_pcf15: f64,
     /// The same with the time that the pass takes without shadows: surfaces, which both have.
     esm15_over_pcf15_with_surfaces: f64,
-    /// That, and the passes that make the maps, and draw their casters: all that is submitted, by the clock on the wall. Of two
-    /// compute passes in a row, the clock of Mesa's llvmpipe misses the second.
+    /// That, and the passes that make the maps, and draw their casters: all that is submitted, by the clock on the wall.
     esm15_over_pcf15_with_maps: f64,
     /// The first figure for each value of `filter` that reads exponential maps.
     esm15_variants_over_pcf15: BTreeMap<&'static str, f64>,
