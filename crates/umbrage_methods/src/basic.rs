@@ -14,7 +14,7 @@
 //!
 //! So a ground that shades nothing is best told not to cast: the map is then as large as what stands on it. Of the
 //! examples, `bunny_sun` has 0.072 % wrong samples in place of 0.243 %, and 1.3 fetches a pixel in place of 4; `leaves`
-//! 0.058 % in place of 0.288 % (`casts: false` for the ground, `umbrage compare`).
+//! 0.058 % in place of 0.288 % (`casts: false` for the ground, 2048² texels, W = 3; `umbrage compare --size 480x270`).
 //!
 //! # Settings and axes
 //! `resolution` (texels), `depth_bias` (texels: a texel's width, towards the light); the filter's width
@@ -291,7 +291,7 @@ impl Job {
         plan
     }
 
-    /// The plan where no receiver is seen: the least that the shader can read, and it reads light.
+    /// The plan where no receiver is seen, or none that could be in shadow: the least that the shader can read, and it reads light.
     fn unshadowed(&self) -> ShadowPlan {
         // All points lie beside the map.
         let mut nowhere = Mat4::ZERO;

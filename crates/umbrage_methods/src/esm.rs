@@ -67,8 +67,8 @@
 //! On Mesa's llvmpipe, a CPU, the two take 0.17 of the time of full-screen passes with W loads a texel at W = 15 (`esm_log`
 //! 0.15, `esm_half` and its rounding 0.22), and 0.4 at W = 3; one pass for both, by way of workgroup memory, took 0.3.
 //! At W = 15 and 1280 × 720 pixels, shadows add 0.08 of what they add by comparisons to the time of shading, and all passes
-//! together take 0.38, those of 2048² texels among them (`esm_half` 0.44, `esm_log` 0.47): `cargo bench -p umbrage_bench
-//! --bench methods` prints such ratios as `esm over pcf`. With a fifth of these pixels it pays no more.
+//! together take 0.38, those of 2048² texels among them (`esm_half` 0.44, `esm_log` 0.47): `cargo bench --profile dev
+//! -p umbrage_bench --bench methods` prints such ratios as `esm over pcf`. With a fifth of these pixels it pays no more.
 //!
 //! # Limits
 //! - *The contact leak*: in full shadow, the term is exp(−k g) for an occluder g of the range in front of its

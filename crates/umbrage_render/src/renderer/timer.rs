@@ -161,31 +161,55 @@ impl Timer {
             let words = bytes.as_chunks::<8>().0.iter().copied();
             ticks.extend(words.map(u64::from_le_bytes));
         })?;
-        let spans = ticks.as_chunks::<2>().0.iter();
-        let mut times = Vec::new();
-        let mut computed = None;
-        for (marked, [start, end]) in marked.into_iter().zip(spans) {
-            // Mesa's llvmpipe notes the beginning of a compute pass that follows another at its end. Nothing is done
-            // between the two.
-            let start = computed
-                .filter(|_| marked.computes)
-                .map_or(*start, |before: &u64| *start.min(before));
-            computed = marked.computes.then_some(end);
-            times.push(PassTime {
+        let computes: Vec<_> = marked.iter().map(|marked| marked.computes).collect();
+        let spans = spans(&computes, ticks.as_chunks::<2>().0);
+        let passes = marked.into_iter().zip(spans);
+        Ok(passes
+            .map(|(marked, ticks)| PassTime {
                 pass: marked.pass,
                 light: marked.light,
                 planned: marked.planned,
-                // A clock that was set back between the two tells nothing.
-                milliseconds: end.saturating_sub(start) as f64 * period * 1e-6,
-            });
-        }
-        Ok(times)
+                milliseconds: ticks as f64 * period * 1e-6,
+            })
+            .collect())
     }
+}
+
+/// The ticks that passes take which began and ended so, each of which `computes` or draws.
+///
+/// Mesa's llvmpipe notes the beginning of a compute pass that follows another at its end. As nothing is done between the
+/// two, it begins where the other ends.
+fn spans(computes: &[bool], noted: &[[u64; 2]]) -> Vec<u64> {
+    let mut before = None;
+    let passes = computes.iter().zip(noted);
+    passes
+        .map(|(computes, [start, end])| {
+            let ended = before.filter(|_| *computes).unwrap_or(*start);
+            before = computes.then_some(*end);
+            // A clock that was set back between the two tells nothing.
+            end.saturating_sub(ended.min(*start))
+        })
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_compute_pass_begins_where_the_one_before_it_ends() {
+        // Drawn, computed, computed and noted late, computed, drawn after a while; and a clock set back.
+        let noted = [
+            [10, 20],
+            [25, 40],
+            [69, 70],
+            [71, 80],
+            [100, 130],
+            [150, 140],
+        ];
+        let computes = [false, true, true, true, false, true];
+        assert_eq!(spans(&computes, &noted), [10, 15, 30, 10, 30, 0]);
+    }
 
     /// More passes than a set holds are all told, in their order.
     #[test]

@@ -51,15 +51,18 @@ const fn column(
     }
 }
 
-/// A share, in percent.
+/// A share, in percent: of the figures, or of another part of the row.
 macro_rules! share {
     ($name:ident, $title:literal, $about:literal) => {
+        share!($name, $title, $about, |row: &Row| Some(row.figures.$name))
+    };
+    ($name:ident, $title:literal, $about:literal, $of:expr) => {
         column(
             stringify!($name),
             $title,
             "%",
             $about,
-            |row| Some(row.figures.$name * 100.0),
+            |row| $of(row).map(|share: f64| share * 100.0),
             number,
         )
     };
@@ -113,14 +116,9 @@ macro_rules! spread {
 /// A share of how receivers were decided, in percent.
 macro_rules! decided {
     ($name:ident, $title:literal, $about:literal) => {
-        column(
-            stringify!($name),
-            $title,
-            "%",
-            $about,
-            |row| row.decided.map(|decided| decided.$name * 100.0),
-            number,
-        )
+        share!($name, $title, $about, |row: &Row| row
+            .decided
+            .map(|decided| decided.$name))
     };
 }
 
