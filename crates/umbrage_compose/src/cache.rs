@@ -8,7 +8,7 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Permutation, Reflection, Target,
+    Error, Key, Library, Limit, Permutation, Reflection, Target,
     permutation::validate,
     project::Dependencies,
     store::{Kind, Look, Store},
@@ -16,7 +16,7 @@ use crate::{
 
 /// Of what an entry looks like; the header changes with it.
 const KIND: Kind = Kind {
-    header: b"umbrage cache 02",
+    header: b"umbrage cache 03",
     extension: "umbrage",
 };
 
@@ -61,6 +61,10 @@ impl DiskCache {
         part(NAGA_VERSION.as_bytes());
         part(target.name().as_bytes());
         part(&target.capabilities().bits().to_le_bytes());
+        for limit in Limit::ALL {
+            part(&target.limit(*limit).to_le_bytes());
+        }
+        part(&[u8::from(target.has_vertex_writes())]);
         part(key.to_string().as_bytes());
         // What the choices ask of the linker may change with the axes, and the key stay the same.
         for (axis, effect) in library.axes().effects(key) {

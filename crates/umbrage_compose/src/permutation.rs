@@ -11,7 +11,8 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect, wgsl,
+    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect,
+    rules::Subject, wgsl,
 };
 
 /// A linked and validated shader.
@@ -34,13 +35,20 @@ impl Permutation {
         key: Key,
         (root, linked): (usize, Linked),
     ) -> Result<Self, Fault> {
+        let subject = Subject {
+            library,
+            target,
+            root,
+            module: &linked.module,
+        };
+        subject.check_before_validation()?;
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
         let reflection = reflect(&linked.module, &info, |handle| {
             let item = linked.owners.get(&handle)?;
             Some((library.source(item.module).path.clone(), item.name.clone()))
         });
-        target.check(library, &reflection)?;
+        subject.check(&info, &reflection)?;
         Ok(Self {
             key,
             module: linked.module,

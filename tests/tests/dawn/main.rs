@@ -8,6 +8,8 @@
     reason = "a test's helpers may fail it, with the error's own words"
 )]
 
+mod random;
+
 use std::{
     collections::BTreeMap,
     fs,
@@ -175,5 +177,47 @@ fn every_permutation_is_taken_by_dawn() {
         refused.len(),
         texts.len(),
         refused.join("\n")
+    );
+}
+
+/// How many shaders are made at random.
+const RANDOM: u64 = 2000;
+
+/// Of shaders made at random, at the borders of the rules, we take and refuse the same as Dawn.
+#[test]
+fn random_shaders_are_judged_alike() {
+    let Some(mut dawn) = Dawn::start() else {
+        return;
+    };
+    // Others than these, and more, by hand.
+    let number = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
+    let first: u64 = number("UMBRAGE_FIRST_SEED").unwrap_or(0);
+    let count = number("UMBRAGE_SEEDS").unwrap_or(RANDOM);
+    let judged: Vec<_> = (first..first + count)
+        .into_par_iter()
+        .map(|seed| {
+            let text = random::shader(seed);
+            (seed, our_refusal(&text), text)
+        })
+        .collect();
+    let mut refused = 0;
+    let mut wrong = Vec::new();
+    for (seed, ours, text) in judged {
+        let dawns = dawn.refusal(&text);
+        refused += u32::from(dawns.is_some());
+        if ours.is_some() != dawns.is_some() {
+            wrong.push(format!("{seed}: Dawn says {dawns:?}, we {ours:?}\n{text}"));
+        }
+    }
+    // A generator that makes one kind alone would tell nothing.
+    assert!(
+        refused > count as u32 / 5 && refused < count as u32 * 4 / 5,
+        "{refused}"
+    );
+    assert!(
+        wrong.is_empty(),
+        "{} of {count}, of which {refused} are refused:\n{}",
+        wrong.len(),
+        wrong.join("\n")
     );
 }

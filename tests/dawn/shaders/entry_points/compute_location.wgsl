@@ -1,0 +1,2 @@
+// Dawn: refuses it: '@location' cannot be used by compute shaders
+@compute @workgroup_size(1) fn cs(@location(0) a: f32) {}

@@ -1,0 +1,6 @@
+// Dawn: takes it
+@compute @workgroup_size(1) fn cs() {
+    var v = vec3f();
+    let i = 3;
+    let r = v[i];
+}
