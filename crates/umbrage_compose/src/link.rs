@@ -7,12 +7,14 @@ use std::{cell::RefCell, sync::Arc};
 
 use naga::{
     Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
-    Statement, Type, TypeInner, diagnostic_filter::DiagnosticFilterNode,
+    Statement, Type, TypeInner,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
-    Cause, Fault, Library, bindings, interface,
+    Cause, Fault, Library, bindings,
+    diagnostics::Filters,
+    interface,
     library::Request,
     names::Item,
     reach::{DEEPEST_CALLS, FunctionId, Reach, reach},
@@ -32,6 +34,8 @@ pub(crate) enum Roots {
 pub(crate) struct Linked {
     pub(crate) module: Module,
     pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
+    /// The diagnostic filters of each module that was taken from.
+    pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
 }
 
 /// The units of the modules in hand.
@@ -159,7 +163,6 @@ pub(crate) struct Maps {
     pub(crate) types: Vec<Option<Handle<Type>>>,
     pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
     pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
-    pub(crate) filters: FxHashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
 pub(crate) struct Linker<'a> {
@@ -207,9 +210,12 @@ impl Linker<'_> {
         }
         let owners = self.owners();
         bindings::allocate(self.targets.library, &mut self.out, &owners)?;
+        let taken = self.targets.taken.into_inner();
+        let filters = taken.into_iter().map(|(module, unit)| (module, unit.filters.clone()));
         Ok(Linked {
             module: self.out,
             owners,
+            filters: filters.collect(),
         })
     }
 
@@ -393,9 +399,6 @@ impl Linker<'_> {
         for (_, local) in function.local_variables.iter_mut() {
             local.ty = self.ty(module, unit, local.ty)?;
         }
-        function.diagnostic_filter_leaf = function
-            .diagnostic_filter_leaf
-            .map(|leaf| self.filter(module, unit, leaf));
         let roots = private_roots(&unit.module, original);
         let dead: Vec<_> = roots
             .iter()

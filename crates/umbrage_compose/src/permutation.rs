@@ -11,7 +11,11 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect, wgsl,
+    Cause, Error, Fault, Key, Library, Reflection, Target,
+    diagnostics::{Places, Written},
+    link::Linked,
+    reflect::reflect,
+    uniformity, wgsl,
 };
 
 /// A linked and validated shader.
@@ -25,6 +29,10 @@ pub struct Permutation {
     pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
+    /// What is worth telling of it, though it does no harm: what the authors' diagnostic filters make less
+    /// than an error, and rules that WGSL does not have.
+    pub warnings: Vec<String>,
+    pub(crate) written: Written,
 }
 
 impl Permutation {
@@ -41,11 +49,20 @@ impl Permutation {
             Some((library.source(item.module).path.clone(), item.name.clone()))
         });
         target.check(library, &reflection)?;
+        let places = Places {
+            library,
+            filters: &linked.filters,
+        };
+        let mut told = places.unknown_rules();
+        told.extend(uniformity::check(&linked.module, &places)?);
+        let written = Written::new(&linked.module, &places);
         Ok(Self {
+            warnings: told.into_iter().map(|fault| fault.key(&key).to_string()).collect(),
             key,
             module: linked.module,
             info,
             reflection,
+            written,
         })
     }
 
@@ -63,9 +80,9 @@ impl Permutation {
             let (mut module, info) = self.with_overrides_resolved("WGSL")?;
             // Each is a constant of the same name now.
             module.to_mut().overrides = naga::Arena::new();
-            return wgsl::write(&module, &info).map_err(|error| self.unwritable("WGSL", &error));
+            return wgsl::write(&module, &info, &self.written).map_err(|error| self.unwritable("WGSL", &error));
         }
-        wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info, &self.written).map_err(|error| self.unwritable("WGSL", &error))
     }
 
     /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it.
@@ -112,7 +129,9 @@ pub(crate) fn validate(
     module: &Module,
     target: &Target,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), target.capabilities()).validate(module)
+    // Uniformity is decided as the specification has it, which naga does not (`uniformity`).
+    let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
+    Validator::new(flags, target.capabilities()).validate(module)
 }
 
 fn validation_fault(

@@ -11,6 +11,7 @@ use wgsl_parse::{lexer::Token, syntax::GlobalDeclaration};
 
 use crate::{
     Fault, Library,
+    diagnostics::Filters,
     features::{Consulted, Features},
     names::{self, Item, Meaning, Translations, declared},
     stubs::{self, JOINT, Stubs},
@@ -33,6 +34,8 @@ pub(crate) struct Prepared {
     pub(crate) known: Vec<String>,
     /// The features that the text depends on.
     pub(crate) consulted: Consulted,
+    /// The diagnostic filters, which are not in the text.
+    pub(crate) filters: Arc<Filters>,
 }
 
 /// Prepares `module` under `features`.
@@ -56,15 +59,17 @@ pub(crate) fn prepare(
         }
     }
     let source = library.source(module);
+    let tokens = &library.syntax(module)?.tokens;
+    let filters = Filters::read(source, tokens, &translated.blanks)?;
     let mut text = source.text.as_bytes().to_vec();
-    for range in &translated.blanks {
-        for byte in &mut text[range.clone()] {
+    for range in translated.blanks.iter().cloned().chain(filters.written()) {
+        for byte in &mut text[range] {
             if *byte != b'\n' {
                 *byte = b' ';
             }
         }
     }
-    for path in written_paths(&library.syntax(module)?.tokens, &translated.blanks) {
+    for path in written_paths(tokens, &translated.blanks) {
         let segments: Vec<_> = path
             .segments
             .iter()
@@ -114,6 +119,7 @@ pub(crate) fn prepare(
         stubs,
         interfaces,
         consulted: translations.consulted,
+        filters: Arc::new(filters),
     })
 }
 

@@ -1,13 +1,16 @@
 //! Units: modules as naga parsed them, each by itself, ready to be copied from.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
 use rustc_hash::FxHashMap;
 
-use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepared, stubs::JOINT};
+use crate::{
+    Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
+    stubs::JOINT,
+};
 
 /// A module as naga parsed it.
 #[derive(Debug)]
@@ -31,6 +34,8 @@ pub(crate) struct Unit {
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
+    /// The module's diagnostic filters.
+    pub(crate) filters: Arc<Filters>,
 }
 
 /// What a function does, as far as it matters for leaving things out.
@@ -121,6 +126,7 @@ pub(crate) fn parse(
             .collect(),
         facts: Vec::new(),
         entry_facts: Vec::new(),
+        filters: prepared.filters.clone(),
         module: parsed,
         functions,
         globals,

@@ -4,6 +4,7 @@
 //! would lie otherwise when read again. Here every member that is followed by more room than it needs
 //! says so by `@size`, which fixes all offsets.
 
+use crate::diagnostics::{Written, uses_subgroups};
 use naga::{
     Handle, Module, Type, TypeInner,
     back::wgsl::{WriterFlags, write_string},
@@ -11,7 +12,20 @@ use naga::{
     valid::ModuleInfo,
 };
 
-pub(crate) fn write(module: &Module, info: &ModuleInfo) -> Result<String, naga::back::wgsl::Error> {
+/// The text of `module`, with the diagnostic filters that are `written` in it.
+pub(crate) fn write(
+    module: &Module,
+    info: &ModuleInfo,
+    written: &Written,
+) -> Result<String, naga::back::wgsl::Error> {
+    let text = written.annotate(&write_module(module, info)?);
+    Ok(match uses_subgroups(module) {
+        true => format!("enable subgroups;\n{text}"),
+        false => text,
+    })
+}
+
+fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, naga::back::wgsl::Error> {
     let text = write_string(module, info, WriterFlags::empty())?;
     let mut layouter = Layouter::default();
     // A valid module has a layout.
