@@ -274,7 +274,10 @@ impl Composer {
             let known = &entry.prepared;
             known.text == prepared.text && known.filters == prepared.filters
         };
-        let unit = entries.iter().find(same).map_or_else(Arc::default, |entry| entry.unit.clone());
+        let unit = entries
+            .iter()
+            .find(same)
+            .map_or_else(Arc::default, |entry| entry.unit.clone());
         let entry = Arc::new(Entry { prepared, unit });
         entries.push(entry.clone());
         Ok(entry)

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use naga::{
-    Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner,
-    diagnostic_filter::DiagnosticFilterNode,
-};
+use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
 
 use crate::{Fault, link::Linker, unit::Unit};
 
@@ -227,6 +224,9 @@ impl Linker<'_> {
     /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
     pub(crate) fn shifted(&self, module: usize, span: Span) -> Span {
         let source = self.targets.library.source(module);
-        crate::unit::shifted(span, source.base, source.text.len())
+        match self.targets.unit(module) {
+            Ok(unit) => crate::unit::shifted(span, source.base, &unit.own),
+            Err(_) => Span::UNDEFINED,
+        }
     }
 }

@@ -125,7 +125,9 @@ impl Filters {
 
     /// Those that hold at `offset`, innermost first.
     fn around(&self, offset: usize) -> impl Iterator<Item = &Filter> {
-        let starts = self.0.partition_point(|filter| filter.range.start <= offset);
+        let starts = self
+            .0
+            .partition_point(|filter| filter.range.start <= offset);
         let before = self.0[..starts].iter().rev();
         before.filter(move |filter| offset < filter.range.end)
     }
@@ -144,7 +146,9 @@ impl Reader<'_> {
     }
 
     fn begins_statement(&self, index: usize) -> bool {
-        let previous = index.checked_sub(1).map(|previous| &self.tokens[previous].0);
+        let previous = index
+            .checked_sub(1)
+            .map(|previous| &self.tokens[previous].0);
         // A condition may stand before a directive.
         previous.is_none_or(|token| matches!(token, Token::SymSemicolon | Token::SymParenRight))
             && self.word(index + 1) == "("
@@ -154,7 +158,11 @@ impl Reader<'_> {
     fn attributes(&mut self, start: usize) -> Result<usize, Fault> {
         let mut settings: Vec<(Setting, Range<usize>)> = Vec::new();
         let mut index = start;
-        while self.tokens.get(index).is_some_and(|(token, _)| *token == Token::SymAttr) {
+        while self
+            .tokens
+            .get(index)
+            .is_some_and(|(token, _)| *token == Token::SymAttr)
+        {
             let end = self.close(index + 2);
             if self.word(index + 1) == "diagnostic" {
                 let written = self.tokens[index].1.start..self.end_of(end);
@@ -207,9 +215,8 @@ impl Reader<'_> {
         let end = self.close(index + 1);
         let setting = self.setting(index + 1, end)?;
         let written = self.tokens[index].1.start..self.end_of(end + 1);
-        let same = |filter: &&Filter| {
-            filter.on == On::Module && filter.setting.rule == setting.rule
-        };
+        let same =
+            |filter: &&Filter| filter.on == On::Module && filter.setting.rule == setting.rule;
         if let Some(other) = self.filters.iter().find(same)
             && other.setting.severity != setting.severity
         {
@@ -240,9 +247,11 @@ impl Reader<'_> {
                 rule,
                 severity: *severity,
             }),
-            None => Err(Fault::new(Cause::Syntax, format!("`{severity}` is no severity"))
-                .at(self.source.find(severity))
-                .note("write `off`, `info`, `warning` or `error`")),
+            None => Err(
+                Fault::new(Cause::Syntax, format!("`{severity}` is no severity"))
+                    .at(self.source.find(severity))
+                    .note("write `off`, `info`, `warning` or `error`"),
+            ),
         }
     }
 
@@ -295,7 +304,9 @@ impl<'a> Places<'a> {
     /// What comes of a breach of `rule` at `span`.
     pub(crate) fn severity(&self, rule: Rule, span: Span) -> Severity {
         let found = self.locate(span).and_then(|(module, range)| {
-            self.filters.get(&module)?.severity(rule.name(), range.start)
+            self.filters
+                .get(&module)?
+                .severity(rule.name(), range.start)
         });
         found.unwrap_or(Severity::Error)
     }
@@ -330,8 +341,11 @@ impl<'a> Places<'a> {
                     continue;
                 }
                 let known = Rule::ALL.map(Rule::name);
-                let fault = Fault::new(Cause::Syntax, format!("WGSL has no diagnostic rule `{rule}`"))
-                    .at(self.library.source(*module).place(filter.written.clone()));
+                let fault = Fault::new(
+                    Cause::Syntax,
+                    format!("WGSL has no diagnostic rule `{rule}`"),
+                )
+                .at(self.library.source(*module).place(filter.written.clone()));
                 faults.push(match nearest(rule, known) {
                     Some(near) => fault.note(format!("did you mean `{near}`?")),
                     None => fault.note(format!("it has `{}`", known.join("` and `"))),
@@ -375,7 +389,9 @@ impl Written {
             .map(|function| attributes(function, places))
             .collect();
         let mut directives = Vec::new();
-        let settings = all.iter().flat_map(|(attributes, _)| attributes.function.clone());
+        let settings = all
+            .iter()
+            .flat_map(|(attributes, _)| attributes.function.clone());
         let mut settings: Vec<_> = settings.collect();
         settings.sort();
         settings.dedup();
@@ -427,7 +443,10 @@ impl Written {
             if line.starts_with("fn ") {
                 attributes = all.next();
                 opened = 0;
-                for setting in attributes.iter().flat_map(|attributes| &attributes.function) {
+                for setting in attributes
+                    .iter()
+                    .flat_map(|attributes| &attributes.function)
+                {
                     let _ = writeln!(out, "@diagnostic({setting})");
                 }
             }
@@ -437,7 +456,11 @@ impl Written {
                 continue;
             };
             out.push_str(open);
-            for (_, setting) in attributes.blocks.iter().filter(|(block, _)| *block == opened) {
+            for (_, setting) in attributes
+                .blocks
+                .iter()
+                .filter(|(block, _)| *block == opened)
+            {
                 let _ = write!(out, "@diagnostic({setting}) ");
             }
             out.push_str("{\n");
@@ -488,7 +511,11 @@ fn attributes<'a>(function: &Function, places: &Places<'a>) -> (Attributes, Vec<
         }
     }
     // Rules of other tools hold for the function as they were written on it or its module.
-    let known = |filter: &&Filter| Rule::ALL.iter().any(|rule| rule.name() == filter.setting.rule);
+    let known = |filter: &&Filter| {
+        Rule::ALL
+            .iter()
+            .any(|rule| rule.name() == filter.setting.rule)
+    };
     let mut spans = function.body.span_iter().map(|(_, span)| *span);
     let at = spans.find_map(|span| places.locate(span));
     if let Some((module, range)) = at
@@ -606,9 +633,9 @@ pub(crate) fn uses_subgroups(module: &Module) -> bool {
             arguments.any(|argument| builtin(argument.binding.as_ref()))
         })
         || module.types.iter().any(|(_, ty)| match &ty.inner {
-            naga::TypeInner::Struct { members, .. } => {
-                members.iter().any(|member| builtin(member.binding.as_ref()))
-            }
+            naga::TypeInner::Struct { members, .. } => members
+                .iter()
+                .any(|member| builtin(member.binding.as_ref())),
             _ => false,
         })
 }

@@ -81,6 +81,7 @@ mod composer;
 mod copy;
 mod diagnostics;
 mod error;
+mod extensions;
 mod features;
 mod fetches;
 mod interface;

@@ -211,7 +211,9 @@ impl Linker<'_> {
         let owners = self.owners();
         bindings::allocate(self.targets.library, &mut self.out, &owners)?;
         let taken = self.targets.taken.into_inner();
-        let filters = taken.into_iter().map(|(module, unit)| (module, unit.filters.clone()));
+        let filters = taken
+            .into_iter()
+            .map(|(module, unit)| (module, unit.filters.clone()));
         Ok(Linked {
             module: self.out,
             owners,

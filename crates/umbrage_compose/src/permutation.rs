@@ -57,7 +57,10 @@ impl Permutation {
         told.extend(uniformity::check(&linked.module, &places)?);
         let written = Written::new(&linked.module, &places);
         Ok(Self {
-            warnings: told.into_iter().map(|fault| fault.key(&key).to_string()).collect(),
+            warnings: told
+                .into_iter()
+                .map(|fault| fault.key(&key).to_string())
+                .collect(),
             key,
             module: linked.module,
             info,
@@ -80,9 +83,11 @@ impl Permutation {
             let (mut module, info) = self.with_overrides_resolved("WGSL")?;
             // Each is a constant of the same name now.
             module.to_mut().overrides = naga::Arena::new();
-            return wgsl::write(&module, &info, &self.written).map_err(|error| self.unwritable("WGSL", &error));
+            return wgsl::write(&module, &info, &self.written)
+                .map_err(|error| self.unwritable("WGSL", &error));
         }
-        wgsl::write(&self.module, &self.info, &self.written).map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info, &self.written)
+            .map_err(|error| self.unwritable("WGSL", &error))
     }
 
     /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it.

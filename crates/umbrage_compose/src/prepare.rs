@@ -12,6 +12,7 @@ use wgsl_parse::{lexer::Token, syntax::GlobalDeclaration};
 use crate::{
     Fault, Library,
     diagnostics::Filters,
+    extensions::Extensions,
     features::{Consulted, Features},
     names::{self, Item, Meaning, Translations, declared},
     stubs::{self, JOINT, Stubs},
@@ -21,10 +22,13 @@ use crate::{
 /// A module's text, ready for naga.
 #[derive(Debug)]
 pub(crate) struct Prepared {
-    /// The author's text, every byte that stays in its place, then the stand-ins.
+    /// What others' declarations need enabled, the author's text, every byte that stays in its place, and
+    /// the stand-ins.
     pub(crate) text: String,
-    /// How much of it is the author's.
-    pub(crate) own: usize,
+    /// What of it is the author's.
+    pub(crate) own: Range<usize>,
+    /// What is enabled for others' declarations, and the module that asks for it.
+    pub(crate) lent: BTreeMap<String, usize>,
     pub(crate) stubs: Stubs,
     /// The modules that it, or what stands in for others' declarations, takes something from.
     pub(crate) modules: BTreeSet<usize>,
@@ -62,7 +66,9 @@ pub(crate) fn prepare(
     let tokens = &library.syntax(module)?.tokens;
     let filters = Filters::read(source, tokens, &translated.blanks)?;
     let mut text = source.text.as_bytes().to_vec();
-    for range in translated.blanks.iter().cloned().chain(filters.written()) {
+    let extensions = Extensions::read(source, tokens, &translated.blanks);
+    let blanks = translated.blanks.iter().cloned().chain(filters.written());
+    for range in blanks.chain(extensions.blanks) {
         for byte in &mut text[range] {
             if *byte != b'\n' {
                 *byte = b' ';
@@ -99,8 +105,21 @@ pub(crate) fn prepare(
         .filter_map(|d| declared(d))
         .collect();
     // Whole characters were blanked, so this changes nothing.
-    let mut text = String::from_utf8_lossy(&text).into_owned();
-    let own = text.len();
+    let own_text = String::from_utf8_lossy(&text);
+    let mut lent = BTreeMap::new();
+    for other in stubs.items.values().map(|item| item.module) {
+        let blanks = &translations.translated(other)?.blanks;
+        let tokens = &library.syntax(other)?.tokens;
+        let asked = Extensions::read(library.source(other), tokens, blanks).enabled;
+        lent.extend(asked.into_iter().map(|name| (name, other)));
+    }
+    lent.retain(|name, _| !extensions.enabled.contains(name));
+    let mut text: String = lent
+        .keys()
+        .map(|name| format!("enable {name};\n"))
+        .collect();
+    let own = text.len()..text.len() + own_text.len();
+    text.push_str(&own_text);
     text.push('\n');
     text.push_str(&stubs.text);
     let mut interfaces = BTreeSet::new();
@@ -116,6 +135,7 @@ pub(crate) fn prepare(
         modules: stubs.items.values().map(|item| item.module).collect(),
         text,
         own,
+        lent,
         stubs,
         interfaces,
         consulted: translations.consulted,

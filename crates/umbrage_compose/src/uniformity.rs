@@ -329,7 +329,11 @@ impl Check<'_> {
             ..
         } = walk;
         let mut summary = Summary {
-            parameters: function.arguments.iter().map(|_| Parameter::default()).collect(),
+            parameters: function
+                .arguments
+                .iter()
+                .map(|_| Parameter::default())
+                .collect(),
             ..Summary::default()
         };
         requirements.sort_by_key(|r| (r.scope, std::cmp::Reverse(r.severity)));
@@ -358,7 +362,9 @@ impl Check<'_> {
                     graph::Leaf::Contents(i) => {
                         summary.parameters[i].contents[index].get_or_insert_with(need);
                     }
-                    graph::Leaf::Differs(of) if of == Scope::Subgroup || of == requirement.scope => {
+                    graph::Leaf::Differs(of)
+                        if of == Scope::Subgroup || of == requirement.scope =>
+                    {
                         // One of a kind is told for each function, as browsers do.
                         if told.insert((requirement.scope, requirement.severity)) {
                             let path = graph.path(from);

@@ -61,7 +61,12 @@ impl Check<'_> {
         };
         let origin = self.origin(which, last, requirement.scope);
         match last {
-            What::Value(value) if matches!(self.body(which).expressions[value], Expression::CallResult(_)) => {
+            What::Value(value)
+                if matches!(
+                    self.body(which).expressions[value],
+                    Expression::CallResult(_)
+                ) =>
+            {
                 places.push((self.place(own), self.reason(own)));
                 places.push((self.place(origin), self.reason(origin)));
             }
@@ -130,10 +135,16 @@ impl Check<'_> {
                 Expression::CallResult(callee) => {
                     format!("what `{}` returns", self.name(*callee))
                 }
-                _ => format!("what `{}` returns", self.word(function.expressions.get_span(value))),
+                _ => format!(
+                    "what `{}` returns",
+                    self.word(function.expressions.get_span(value))
+                ),
             },
             What::After(callee, _, _) => {
-                format!("what `{}` leaves where its argument points", self.name(callee))
+                format!(
+                    "what `{}` leaves where its argument points",
+                    self.name(callee)
+                )
             }
             What::Branch(_) | What::Argument(_) | What::Other => "this".to_owned(),
         };

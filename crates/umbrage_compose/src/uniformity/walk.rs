@@ -146,12 +146,12 @@ impl<'a> Walk<'a> {
                     }
                 }
                 Statement::Call { arguments, .. } => {
-                    set.extend(arguments.iter().filter_map(|argument| {
-                        match self.root(*argument) {
+                    set.extend(arguments.iter().filter_map(
+                        |argument| match self.root(*argument) {
                             (Root::Variable(variable), _) => Some(variable),
                             _ => None,
-                        }
-                    }));
+                        },
+                    ));
                 }
                 _ => {}
             }
@@ -314,7 +314,10 @@ impl<'a> Walk<'a> {
         let (rejected, may_reject) = self.block(branches[1], parted);
         let set_rejecting = self.undo(start);
         let ways = [(may_accept, &set_accepting), (may_reject, &set_rejecting)];
-        let mut variables: Vec<_> = ways.iter().flat_map(|(_, set)| set.iter().map(|s| s.0)).collect();
+        let mut variables: Vec<_> = ways
+            .iter()
+            .flat_map(|(_, set)| set.iter().map(|s| s.0))
+            .collect();
         variables.sort_unstable();
         variables.dedup();
         for variable in variables {
@@ -399,25 +402,26 @@ impl<'a> Walk<'a> {
             self.flow_to(&around.continues);
             self.around.push(around);
         }
-        if let Some(around) = self.around.last() {
-            for (variable, node) in around.continues.clone() {
-                self.set(variable, node);
+        // Where the body never goes on, `continuing` is never reached.
+        if may_body & (NEXT | CONTINUE) != 0 {
+            if let Some(around) = self.around.last() {
+                for (variable, node) in around.continues.clone() {
+                    self.set(variable, node);
+                }
             }
-        }
-        let (mut after, mut may) = self.block(continuing, after_body);
-        if let Some(condition) = break_if {
-            let parted = self.part(condition, Span::UNDEFINED, after);
-            after = self.graph.node_on(What::Other, [parted]);
-            may |= BREAK;
-            if let Some(around) = self.around.pop() {
-                self.flow_to(&around.exits);
-                self.around.push(around);
+            let (mut after, _) = self.block(continuing, after_body);
+            if let Some(condition) = break_if {
+                after = self.part(condition, Span::UNDEFINED, after);
+                if let Some(around) = self.around.pop() {
+                    self.flow_to(&around.exits);
+                    self.around.push(around);
+                }
             }
+            self.graph.edge(start, after);
+            self.flow_to(&begins);
         }
-        self.graph.edge(start, after);
-        self.flow_to(&begins);
         self.exit();
-        let behaviors = may_body | may;
+        let behaviors = may_body | if break_if.is_some() { BREAK } else { 0 };
         let behaviors = match behaviors & BREAK {
             0 => behaviors & RETURN,
             _ => behaviors & RETURN | NEXT,
@@ -435,7 +439,9 @@ impl<'a> Walk<'a> {
         let set = set.cloned().unwrap_or_default();
         let graph = &mut self.graph;
         let mut fresh = || {
-            let nodes = set.iter().map(|&variable| (variable, graph.node(What::Other)));
+            let nodes = set
+                .iter()
+                .map(|&variable| (variable, graph.node(What::Other)));
             nodes.collect::<Vec<_>>()
         };
         let exits = fresh();
@@ -534,7 +540,10 @@ impl<'a> Walk<'a> {
                 self.graph.node_on(What::Argument(span), [value, at])
             })
             .collect();
-        let roots: Vec<_> = arguments.iter().map(|argument| self.root(*argument)).collect();
+        let roots: Vec<_> = arguments
+            .iter()
+            .map(|argument| self.root(*argument))
+            .collect();
         let contents: Vec<_> = roots
             .iter()
             .map(|(root, _)| match root {
@@ -598,7 +607,14 @@ impl<'a> Walk<'a> {
         self.require(demand, span, node, CauseKind::ControlFlow(demand));
     }
 
-    fn demand_of_operand(&mut self, demand: Demand, index: u32, value: Node, span: Span, flow: Node) {
+    fn demand_of_operand(
+        &mut self,
+        demand: Demand,
+        index: u32,
+        value: Node,
+        span: Span,
+        flow: Node,
+    ) {
         let node = self.graph.node_on(What::Other, [value, flow]);
         self.require(demand, span, node, CauseKind::Operand(index, demand));
     }
@@ -668,7 +684,9 @@ impl<'a> Walk<'a> {
                     image = *base;
                     continue;
                 }
-                Expression::GlobalVariable(global) => self.check.module.global_variables[*global].ty,
+                Expression::GlobalVariable(global) => {
+                    self.check.module.global_variables[*global].ty
+                }
                 Expression::FunctionArgument(index) => self.function.arguments[*index as usize].ty,
                 _ => return false,
             };
@@ -806,9 +824,15 @@ fn for_each_operand(expression: &Expression, visit: &mut impl FnMut(Handle<Expre
             depth_ref,
             ..
         } => {
-            [*image, *sampler, *coordinate].into_iter().for_each(&mut *visit);
+            [*image, *sampler, *coordinate]
+                .into_iter()
+                .for_each(&mut *visit);
             let optional = [array_index, offset, depth_ref];
-            optional.into_iter().flatten().copied().for_each(&mut *visit);
+            optional
+                .into_iter()
+                .flatten()
+                .copied()
+                .for_each(&mut *visit);
             match level {
                 SampleLevel::Auto | SampleLevel::Zero => {}
                 SampleLevel::Exact(level) | SampleLevel::Bias(level) => visit(*level),
@@ -853,7 +877,11 @@ fn for_each_operand(expression: &Expression, visit: &mut impl FnMut(Handle<Expre
             ..
         } => {
             visit(*arg);
-            [arg1, arg2, arg3].into_iter().flatten().copied().for_each(visit);
+            [arg1, arg2, arg3]
+                .into_iter()
+                .flatten()
+                .copied()
+                .for_each(visit);
         }
         Expression::CooperativeLoad { data, .. } => {
             visit(data.pointer);
