@@ -16,7 +16,7 @@ use crate::{
 
 /// Of what an entry looks like; the header changes with it.
 const KIND: Kind = Kind {
-    header: b"umbrage cache 02",
+    header: b"umbrage cache 03",
     extension: "umbrage",
 };
 
