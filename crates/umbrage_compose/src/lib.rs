@@ -92,6 +92,7 @@ mod link;
 mod link_file;
 mod manifest;
 mod names;
+mod overrides;
 mod package;
 mod permutation;
 mod prepare;
@@ -117,6 +118,7 @@ pub use key::Key;
 pub use library::Library;
 pub use link_file::link_file;
 pub use manifest::Manifest;
+pub use overrides::{InSpirv, Override, OverrideType};
 pub use package::Package;
 pub use permutation::Permutation;
 pub use reflect::{

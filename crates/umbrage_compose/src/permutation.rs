@@ -1,10 +1,11 @@
 //! Permutations: linked, validated, and reflected.
 
-use std::borrow::Cow;
-
 use naga::{
     Module, Statement, WithSpan,
-    back::{PipelineConstants, pipeline_constants::process_overrides},
+    back::{
+        PipelineConstants,
+        pipeline_constants::{PipelineConstantError, process_overrides},
+    },
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
@@ -14,6 +15,8 @@ use crate::{
     Cause, Error, Fault, Key, Library, Reflection, Target,
     diagnostics::{Places, Written},
     link::Linked,
+    names::Item,
+    overrides,
     reflect::reflect,
     uniformity, wgsl,
 };
@@ -44,10 +47,12 @@ impl Permutation {
     ) -> Result<Self, Fault> {
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
-        let reflection = reflect(&linked.module, &info, |handle| {
-            let item = linked.owners.get(&handle)?;
-            Some((library.source(item.module).path.clone(), item.name.clone()))
+        let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
+        let settable = overrides::reflect(&linked.module, &info, |handle| {
+            linked.overrides.get(&handle).map(declared)
         });
+        let owner = |handle| linked.owners.get(&handle).map(declared);
+        let reflection = reflect(&linked.module, &info, owner, settable);
         target.check(library, &reflection)?;
         let places = Places {
             library,
@@ -69,31 +74,21 @@ impl Permutation {
         })
     }
 
-    /// The shader as WGSL.
+    /// The shader as WGSL, in which entry points, overrides and structs' members have the names that their authors
+    /// gave them, and so has everything else that a host or an author may look for, where no two have one name.
     ///
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        if wgsl::has_sizes_of_overrides(&self.module) {
-            let message = "cannot be said in WGSL: an array's size is an override";
-            let fault = Fault::new(Cause::Validation, message).key(&self.key);
-            return Err(fault.note("give the array a constant's size").into());
-        }
-        if !wgsl::can_say_overrides(&self.module) {
-            let (mut module, info) = self.with_overrides_resolved("WGSL")?;
-            // Each is a constant of the same name now.
-            module.to_mut().overrides = naga::Arena::new();
-            return wgsl::write(&module, &info, &self.written)
-                .map_err(|error| self.unwritable("WGSL", &error));
-        }
         wgsl::write(&self.module, &self.info, &self.written)
             .map_err(|error| self.unwritable("WGSL", &error))
     }
 
-    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it.
+    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides are constants of
+    /// their defaults in it: naga writes no specialisation constants.
     ///
     /// # Errors
-    /// Where naga cannot say it in SPIR-V.
+    /// Where naga cannot say it in SPIR-V; an override without a default, or a default that will not do.
     pub fn spirv(&self) -> Result<Vec<u32>, Error> {
         // Wgpu flips the viewport, not the shader; an engine that takes the words does the same.
         let mut options = naga::back::spv::Options::default();
@@ -101,22 +96,31 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let (module, info) = self.with_overrides_resolved("SPIR-V")?;
+        let constants = PipelineConstants::default();
+        let (module, info) = process_overrides(&self.module, &self.info, None, &constants)
+            .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
     }
 
-    /// The module with every override at its default.
-    fn with_overrides_resolved(
-        &self,
-        language: &str,
-    ) -> Result<(Cow<'_, Module>, Cow<'_, ModuleInfo>), Error> {
-        let constants = PipelineConstants::default();
-        process_overrides(&self.module, &self.info, None, &constants).map_err(|error| {
-            let advice = "overrides are written at their defaults: give each one a valid default";
-            let faults = self.unwritable(language, &error).into_faults();
-            Error::all(faults.into_iter().map(|fault| fault.note(advice)).collect())
-        })
+    /// That overrides at their defaults make no shader.
+    fn unresolved(&self, error: &PipelineConstantError) -> Error {
+        let without = self.reflection.overrides.iter();
+        let without: Vec<_> = without
+            .filter(|item| item.default.is_none() && !item.derived)
+            .map(|item| format!("`{}` (of `{}`)", item.name, item.module))
+            .collect();
+        let message = match without.as_slice() {
+            [] => format!("cannot be said in SPIR-V with overrides at their defaults: {error}"),
+            names => format!(
+                "cannot be said in SPIR-V: no default for {}",
+                names.join(", ")
+            ),
+        };
+        Fault::new(Cause::Validation, message)
+            .key(&self.key)
+            .note("SPIR-V has overrides at their defaults: give each one a valid default, or take the WGSL, which keeps them")
+            .into()
     }
 
     fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
