@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
                 body,
                 continuing,
                 break_if,
-            } => return self.repeat(body, continuing, *break_if, flow),
+            } => return self.repeat((body, continuing, *break_if), span, flow),
             Statement::Break => {
                 if let Some(around) = self.around.pop() {
                     self.flow_to(&around.exits);
@@ -382,9 +382,8 @@ impl<'a> Walk<'a> {
 
     fn repeat(
         &mut self,
-        body: &'a Block,
-        continuing: &'a Block,
-        break_if: Option<Handle<Expression>>,
+        (body, continuing, break_if): (&'a Block, &'a Block, Option<Handle<Expression>>),
+        span: Span,
         flow: Node,
     ) -> (Node, Behaviors) {
         let start = self.graph.node_on(What::Other, [flow]);
@@ -395,15 +394,15 @@ impl<'a> Walk<'a> {
             begins.push((variable, begin));
             self.set(variable, begin);
         }
-        let (after_body, may_body) = self.block(body, start);
-        if may_body & NEXT != 0
+        let (after_body, mut may) = self.block(body, start);
+        if may & NEXT != 0
             && let Some(around) = self.around.pop()
         {
             self.flow_to(&around.continues);
             self.around.push(around);
         }
         // Where the body never goes on, `continuing` is never reached.
-        if may_body & (NEXT | CONTINUE) != 0 {
+        if may & (NEXT | CONTINUE) != 0 {
             if let Some(around) = self.around.last() {
                 for (variable, node) in around.continues.clone() {
                     self.set(variable, node);
@@ -412,6 +411,7 @@ impl<'a> Walk<'a> {
             let (mut after, _) = self.block(continuing, after_body);
             if let Some(condition) = break_if {
                 after = self.part(condition, Span::UNDEFINED, after);
+                may |= BREAK;
                 if let Some(around) = self.around.pop() {
                     self.flow_to(&around.exits);
                     self.around.push(around);
@@ -419,12 +419,14 @@ impl<'a> Walk<'a> {
             }
             self.graph.edge(start, after);
             self.flow_to(&begins);
+        } else if self.check.places.text(span).starts_with("while") {
+            // The specification has all loops turn back; browsers spare those that never do, but not these.
+            self.graph.edge(start, after_body);
         }
         self.exit();
-        let behaviors = may_body | if break_if.is_some() { BREAK } else { 0 };
-        let behaviors = match behaviors & BREAK {
-            0 => behaviors & RETURN,
-            _ => behaviors & RETURN | NEXT,
+        let behaviors = match may & BREAK {
+            0 => may & RETURN,
+            _ => may & RETURN | NEXT,
         };
         let flow = match behaviors {
             NEXT => flow,
