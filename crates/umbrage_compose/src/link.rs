@@ -6,15 +6,18 @@
 use std::{cell::RefCell, sync::Arc};
 
 use naga::{
-    Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
-    Statement, Type, TypeInner, diagnostic_filter::DiagnosticFilterNode,
+    Arena, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module,
+    Override, Statement, Type, TypeInner,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
-    Cause, Fault, Library, bindings, interface,
+    Cause, Fault, Library, bindings,
+    diagnostics::Filters,
+    interface,
     library::Request,
     names::Item,
+    overrides,
     reach::{DEEPEST_CALLS, FunctionId, Reach, reach},
     unit::{Unit, private_roots},
 };
@@ -28,10 +31,13 @@ pub(crate) enum Roots {
     Declarations,
 }
 
-/// A linked module, and the declaration that each of its variables came from.
+/// A linked module, and the declaration that each of its variables and overrides came from.
 pub(crate) struct Linked {
     pub(crate) module: Module,
     pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
+    pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
+    /// The diagnostic filters of each module that was taken from.
+    pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
 }
 
 /// The units of the modules in hand.
@@ -159,7 +165,6 @@ pub(crate) struct Maps {
     pub(crate) types: Vec<Option<Handle<Type>>>,
     pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
     pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
-    pub(crate) filters: FxHashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
 pub(crate) struct Linker<'a> {
@@ -201,47 +206,39 @@ impl Linker<'_> {
                 }
             }
         }
+        let globals = places(&self.globals, &self.out.global_variables);
+        let overrides = places(&self.overrides, &self.out.overrides);
         if self.dropped && self.roots == Roots::EntryPoints {
             // What stores and calls left behind would be computed for nothing.
             naga::compact::compact(&mut self.out, naga::compact::KeepUnused::No);
         }
-        let owners = self.owners();
-        bindings::allocate(self.targets.library, &mut self.out, &owners)?;
+        let library = self.targets.library;
+        let overrides = owners(overrides, &self.out.overrides);
+        let owners = owners(globals, &self.out.global_variables);
+        overrides::check(library, root, &self.out, &overrides)?;
+        bindings::allocate(library, &mut self.out, &owners)?;
+        let taken = self.targets.taken.into_inner();
+        let filters = taken
+            .into_iter()
+            .map(|(module, unit)| (module, unit.filters.clone()));
         Ok(Linked {
             module: self.out,
             owners,
+            overrides,
+            filters: filters.collect(),
         })
     }
 
-    /// Which declaration each variable came from, by its place: compaction renumbers variables.
-    fn owners(&self) -> FxHashMap<Handle<GlobalVariable>, Item> {
-        let mut owners = FxHashMap::default();
-        for (handle, global) in self.out.global_variables.iter() {
-            let span = self.out.global_variables.get_span(handle).to_range();
-            let place = span.and_then(|range| self.targets.library.locate(range.start));
-            let (Some((module, _)), Some(name)) = (place, &global.name) else {
-                continue;
-            };
-            owners.insert(
-                handle,
-                Item {
-                    module,
-                    name: name.clone(),
-                },
-            );
-        }
-        owners
-    }
-
     fn declarations(&mut self, root: usize, unit: &Arc<Unit>) -> Result<(), Fault> {
+        let own_items = unit.constants.values().chain(unit.overrides.values());
+        let own_items = own_items.filter(|item| item.module == root);
+        self.own_names
+            .extend(own_items.map(|item| item.name.clone()));
         self.own_names.extend(unit.own_functions.keys().cloned());
         self.own_names.extend(unit.own_globals.keys().cloned());
-        self.own_names.extend(
-            unit.module
-                .entry_points
-                .iter()
-                .map(|entry| entry.name.clone()),
-        );
+        let entries = unit.module.entry_points.iter();
+        self.own_names
+            .extend(entries.map(|entry| entry.name.clone()));
         let own = |name: &Option<String>| {
             name.as_ref()
                 .is_some_and(|name| !name.contains(crate::stubs::JOINT))
@@ -346,19 +343,13 @@ impl Linker<'_> {
 
     /// `name`, or another where the root module has it for itself.
     pub(crate) fn free_name(&self, module: usize, name: &Option<String>) -> Option<String> {
-        let name = name.as_ref()?;
-        if module == self.targets.request.root || !self.own_names.contains(name) {
-            return Some(name.clone());
+        let mut name = name.clone()?;
+        let path = &self.targets.library.source(module).path;
+        let last = path.rsplit("::").next().unwrap_or("");
+        while module != self.targets.request.root && self.own_names.contains(&name) {
+            name = format!("{last}_{name}");
         }
-        let last = self
-            .targets
-            .library
-            .source(module)
-            .path
-            .rsplit("::")
-            .next()
-            .unwrap_or("");
-        Some(format!("{last}_{name}"))
+        Some(name)
     }
 
     fn recursion(&self, start: usize) -> Fault {
@@ -393,9 +384,6 @@ impl Linker<'_> {
         for (_, local) in function.local_variables.iter_mut() {
             local.ty = self.ty(module, unit, local.ty)?;
         }
-        function.diagnostic_filter_leaf = function
-            .diagnostic_filter_leaf
-            .map(|leaf| self.filter(module, unit, leaf));
         let roots = private_roots(&unit.module, original);
         let dead: Vec<_> = roots
             .iter()
@@ -477,3 +465,24 @@ impl Linker<'_> {
         Ok(())
     }
 }
+
+/// The place of each item's copy, which is how it is known after compaction has renumbered `copies`.
+fn places<T>(items: &FxHashMap<Item, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, Item> {
+    let items = items.iter();
+    items
+        .filter_map(|(item, handle)| Some((copies.get_span(*handle).to_range()?, item.clone())))
+        .collect()
+}
+
+/// Which item each of `copies` came from.
+fn owners<T>(mut places: FxHashMap<Place, Item>, copies: &Arena<T>) -> FxHashMap<Handle<T>, Item> {
+    let copies = copies
+        .iter()
+        .map(|(handle, _)| (handle, copies.get_span(handle)));
+    copies
+        .filter_map(|(handle, span)| Some((handle, places.remove(&span.to_range()?)?)))
+        .collect()
+}
+
+/// A stretch of all the library's texts.
+type Place = std::ops::Range<usize>;

@@ -1,18 +1,25 @@
 //! Permutations: linked, validated, and reflected.
 
-use std::borrow::Cow;
-
 use naga::{
     Module, Statement, WithSpan,
-    back::{PipelineConstants, pipeline_constants::process_overrides},
+    back::{
+        PipelineConstants,
+        pipeline_constants::{PipelineConstantError, process_overrides},
+    },
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, reflect::reflect,
-    rules::Subject, wgsl,
+    Cause, Error, Fault, Key, Library, Reflection, Target,
+    diagnostics::{Places, Written},
+    link::Linked,
+    names::Item,
+    overrides,
+    reflect::reflect,
+    rules::Subject,
+    uniformity, wgsl,
 };
 
 /// A linked and validated shader.
@@ -26,6 +33,10 @@ pub struct Permutation {
     pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
+    /// What is worth telling of it, though it does no harm: what the authors' diagnostic filters make less
+    /// than an error, and rules that WGSL does not have.
+    pub warnings: Vec<String>,
+    pub(crate) written: Written,
 }
 
 impl Permutation {
@@ -44,42 +55,48 @@ impl Permutation {
         subject.check_before_validation()?;
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
-        let reflection = reflect(&linked.module, &info, |handle| {
-            let item = linked.owners.get(&handle)?;
-            Some((library.source(item.module).path.clone(), item.name.clone()))
+        let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
+        let settable = overrides::reflect(&linked.module, &info, |handle| {
+            linked.overrides.get(&handle).map(declared)
         });
+        let owner = |handle| linked.owners.get(&handle).map(declared);
+        let reflection = reflect(&linked.module, &info, owner, settable);
         subject.check(&info, &reflection)?;
+        let places = Places {
+            library,
+            filters: &linked.filters,
+        };
+        let mut told = places.unknown_rules();
+        told.extend(uniformity::check(&linked.module, &places)?);
+        let written = Written::new(&linked.module, &places);
         Ok(Self {
+            warnings: told
+                .into_iter()
+                .map(|fault| fault.key(&key).to_string())
+                .collect(),
             key,
             module: linked.module,
             info,
             reflection,
+            written,
         })
     }
 
-    /// The shader as WGSL.
+    /// The shader as WGSL, in which entry points, overrides and structs' members have the names that their authors
+    /// gave them, and so has everything else that a host or an author may look for, where no two have one name.
     ///
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        if wgsl::has_sizes_of_overrides(&self.module) {
-            let message = "cannot be said in WGSL: an array's size is an override";
-            let fault = Fault::new(Cause::Validation, message).key(&self.key);
-            return Err(fault.note("give the array a constant's size").into());
-        }
-        if !wgsl::can_say_overrides(&self.module) {
-            let (mut module, info) = self.with_overrides_resolved("WGSL")?;
-            // Each is a constant of the same name now.
-            module.to_mut().overrides = naga::Arena::new();
-            return wgsl::write(&module, &info).map_err(|error| self.unwritable("WGSL", &error));
-        }
-        wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info, &self.written)
+            .map_err(|error| self.unwritable("WGSL", &error))
     }
 
-    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it.
+    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides are constants of
+    /// their defaults in it: naga writes no specialisation constants.
     ///
     /// # Errors
-    /// Where naga cannot say it in SPIR-V.
+    /// Where naga cannot say it in SPIR-V; an override without a default, or a default that will not do.
     pub fn spirv(&self) -> Result<Vec<u32>, Error> {
         // Wgpu flips the viewport, not the shader; an engine that takes the words does the same.
         let mut options = naga::back::spv::Options::default();
@@ -87,22 +104,31 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let (module, info) = self.with_overrides_resolved("SPIR-V")?;
+        let constants = PipelineConstants::default();
+        let (module, info) = process_overrides(&self.module, &self.info, None, &constants)
+            .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
     }
 
-    /// The module with every override at its default.
-    fn with_overrides_resolved(
-        &self,
-        language: &str,
-    ) -> Result<(Cow<'_, Module>, Cow<'_, ModuleInfo>), Error> {
-        let constants = PipelineConstants::default();
-        process_overrides(&self.module, &self.info, None, &constants).map_err(|error| {
-            let advice = "overrides are written at their defaults: give each one a valid default";
-            let faults = self.unwritable(language, &error).into_faults();
-            Error::all(faults.into_iter().map(|fault| fault.note(advice)).collect())
-        })
+    /// That overrides at their defaults make no shader.
+    fn unresolved(&self, error: &PipelineConstantError) -> Error {
+        let without = self.reflection.overrides.iter();
+        let without: Vec<_> = without
+            .filter(|item| item.default.is_none() && !item.derived)
+            .map(|item| format!("`{}` (of `{}`)", item.name, item.module))
+            .collect();
+        let message = match without.as_slice() {
+            [] => format!("cannot be said in SPIR-V with overrides at their defaults: {error}"),
+            names => format!(
+                "cannot be said in SPIR-V: no default for {}",
+                names.join(", ")
+            ),
+        };
+        Fault::new(Cause::Validation, message)
+            .key(&self.key)
+            .note("SPIR-V has overrides at their defaults: give each one a valid default, or take the WGSL, which keeps them")
+            .into()
     }
 
     fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
@@ -120,7 +146,9 @@ pub(crate) fn validate(
     module: &Module,
     target: &Target,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), target.capabilities()).validate(module)
+    // Uniformity is decided as the specification has it, which naga does not (`uniformity`).
+    let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
+    Validator::new(flags, target.capabilities()).validate(module)
 }
 
 fn validation_fault(

@@ -1,4 +1,4 @@
-//! What a linked permutation asks of its host: entry points, vertex inputs and bindings.
+//! What a linked permutation asks of its host: entry points, vertex inputs, bindings and overrides.
 
 use naga::{
     AddressSpace, ArraySize, Binding as IoBinding, GlobalVariable, Handle, ImageClass,
@@ -7,6 +7,8 @@ use naga::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::overrides::{self, Override};
+
 /// What a permutation asks of its host.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflection {
@@ -14,6 +16,8 @@ pub struct Reflection {
     pub entry_points: Vec<EntryPoint>,
     /// What is to be bound, by group and binding number.
     pub bindings: Vec<Binding>,
+    /// What may be set, by name.
+    pub overrides: Vec<Override>,
 }
 
 /// An entry point.
@@ -25,7 +29,8 @@ pub struct EntryPoint {
     pub stage: Stage,
     /// A vertex stage's inputs by location; of other stages, none.
     pub inputs: Vec<VertexInput>,
-    /// A compute stage's invocations a workgroup; of other stages, zeros.
+    /// A compute stage's invocations a workgroup, with overrides at their defaults (0 where one that matters has
+    /// none); of other stages, zeros.
     pub workgroup_size: [u32; 3],
 }
 
@@ -212,11 +217,13 @@ pub enum MemberType {
     Struct(Layout),
 }
 
-/// Reflects a valid `module`; `owner` tells the module and name that a variable came from.
+/// Reflects a valid `module`; `owner` tells the module and name that a variable came from, `settable` is what
+/// may be set in it.
 pub(crate) fn reflect(
     module: &Module,
     info: &ModuleInfo,
     owner: impl Fn(Handle<GlobalVariable>) -> Option<(String, String)>,
+    settable: Vec<Override>,
 ) -> Reflection {
     let entry_points = module.entry_points.iter().map(|entry| EntryPoint {
         name: entry.name.clone(),
@@ -225,7 +232,7 @@ pub(crate) fn reflect(
             ShaderStage::Vertex => vertex_inputs(module, entry),
             _ => Vec::new(),
         },
-        workgroup_size: entry.workgroup_size,
+        workgroup_size: overrides::workgroup_size(module, info, entry),
     });
     let mut bindings: Vec<_> = module
         .global_variables
@@ -247,6 +254,7 @@ pub(crate) fn reflect(
     Reflection {
         entry_points: entry_points.collect(),
         bindings,
+        overrides: settable,
     }
 }
 

@@ -9,8 +9,8 @@ use std::{
 use wgsl_parse::{
     span::Spanned,
     syntax::{
-        Declaration, DeclarationKind, Expression, ExpressionNode, GlobalDeclaration, Ident,
-        TemplateArg, TypeExpression,
+        Attribute, AttributeNode, Declaration, Expression, ExpressionNode, GlobalDeclaration,
+        Ident, TemplateArg, TypeExpression,
     },
 };
 
@@ -101,6 +101,7 @@ impl Builder<'_> {
                 declaration.attributes.clear();
                 declaration.ident = Ident::new(name.to_owned());
                 for member in &mut declaration.members {
+                    self.rename_attributes(item.module, &mut member.attributes)?;
                     self.rename_type(item.module, &mut member.ty)?;
                 }
                 self.write(format_args!("{declaration}"))
@@ -140,15 +141,15 @@ impl Builder<'_> {
         if let Some(ty) = &mut item.ty {
             self.rename_type(module, ty)?;
         }
-        // A variable with a type needs nothing more: the linker puts the real one in its place.
-        let variable = matches!(item.kind, DeclarationKind::Var(_));
-        if variable {
-            item.attributes.clear();
-        }
-        if variable && item.ty.is_some() {
+        // The linker puts the real one in its place: attributes are not needed, nor, with a type, what it begins
+        // with. A constant's value is: types and other constants may depend on it.
+        item.attributes.clear();
+        if item.kind.is_const() || item.ty.is_none() {
+            if let Some(initializer) = &mut item.initializer {
+                self.rename_expression(module, initializer)?;
+            }
+        } else {
             item.initializer = None;
-        } else if let Some(initializer) = &mut item.initializer {
-            self.rename_expression(module, initializer)?;
         }
         self.write(format_args!("{item}"))
     }
@@ -171,6 +172,25 @@ impl Builder<'_> {
         }
         for TemplateArg { expression } in ty.template_args.iter_mut().flatten() {
             self.rename_expression(module, expression)?;
+        }
+        Ok(())
+    }
+
+    /// Alignments, sizes, locations and the like are expressions, too.
+    fn rename_attributes(
+        &mut self,
+        module: usize,
+        attributes: &mut [AttributeNode],
+    ) -> Result<(), Fault> {
+        for attribute in attributes {
+            match attribute.node_mut() {
+                Attribute::Align(expression)
+                | Attribute::BlendSrc(expression)
+                | Attribute::Location(expression)
+                | Attribute::Size(expression) => self.rename_expression(module, expression)?,
+                // No other that a member may have speaks of constants.
+                _ => {}
+            }
         }
         Ok(())
     }

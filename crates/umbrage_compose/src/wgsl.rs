@@ -1,149 +1,164 @@
-//! WGSL text of a module, with its structs' layouts.
+//! WGSL text of a module, for hosts that take WGSL.
 //!
-//! Naga's writer leaves `@size` and `@align` out, so that a struct whose author asked for padding
-//! would lie otherwise when read again. Here every member that is followed by more room than it needs
-//! says so by `@size`, which fixes all offsets.
+//! Naga's writer does most of the work. What it cannot say is put right here:
+//!
+//! - *Names.* A host finds entry points, overrides, bindings and members by the names that their authors gave. The
+//!   writer changes a name that ends in a digit or in `_`, that has a character beyond ASCII, or that anything else
+//!   in the module has, and nothing can keep it from that. So it is given a module in which every name is a *mark*
+//!   (`marks`): a word that it passes on as it is, unlike any that it writes itself. Once the text is there, and
+//!   with it all of WGSL's own words that it uses, every mark gets a name (`naming`): hosts' names as they are,
+//!   others as they are wherever nothing else of that name is meant there. No name is ever looked for in the text.
+//! - *Expressions of overrides.* At module scope the writer has words for values alone. Such an expression is
+//!   told by a function made for it, which a writer has words for, and taken from its text.
+//! - *Lengths of arrays* that are overrides: a number stands for each until the text is there.
+//! - *Diagnostic filters*, and the extension `subgroups`, of which its IR knows nothing (`diagnostics`).
+//! - *Layouts.* The writer leaves `@size` and `@align` out. Every member that is followed by more room than
+//!   it needs says so by `@size`, which fixes all offsets.
+
+mod marks;
+mod naming;
+mod text;
+
+use std::borrow::Cow;
 
 use naga::{
-    Handle, Module, Type, TypeInner,
-    back::wgsl::{WriterFlags, write_string},
-    proc::Layouter,
-    valid::ModuleInfo,
+    Module,
+    back::wgsl::{Error, WriterFlags, write_string},
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
-pub(crate) fn write(module: &Module, info: &ModuleInfo) -> Result<String, naga::back::wgsl::Error> {
-    let text = write_string(module, info, WriterFlags::empty())?;
-    let mut layouter = Layouter::default();
-    // A valid module has a layout.
-    if layouter.update(module.to_ctx()).is_err() {
-        return Ok(text);
-    }
-    let mut sizes = module
-        .types
-        .iter()
-        .filter(|(handle, _)| !is_predeclared(module, *handle))
-        .filter_map(|(_, ty)| sizes(&layouter, ty));
-    let mut out = String::with_capacity(text.len());
-    let mut members = Vec::new().into_iter();
-    for line in text.split_inclusive('\n') {
-        // The writer puts structs down in the order of their types, a member a line.
-        if line.starts_with("struct ") {
-            members = sizes.next().unwrap_or_default().into_iter();
-        } else if line.starts_with("    ")
-            && let Some(Some(size)) = members.next()
-        {
-            out.push_str(&format!("    @size({size}) {}", line.trim_start()));
-            continue;
-        }
-        out.push_str(line);
-    }
-    Ok(with_own_names(module, out))
-}
+use crate::diagnostics::{Written, uses_subgroups};
 
-/// Whether an array's size is an override, for which the writer has no words.
-pub(crate) fn has_sizes_of_overrides(module: &Module) -> bool {
-    module.types.iter().any(|(_, ty)| match ty.inner {
-        TypeInner::Array { size, .. } | TypeInner::BindingArray { size, .. } => {
-            matches!(size, naga::ArraySize::Pending(_))
-        }
-        _ => false,
+use self::{
+    marks::{Length, Marked, Scope, Size},
+    text::{Line, Piece, Text},
+};
+
+/// The valid `module` as WGSL, with the diagnostic filters that are `written` in it.
+pub(crate) fn write(
+    module: &Module,
+    info: &ModuleInfo,
+    written: &Written,
+) -> Result<String, Error> {
+    let text = written.annotate(&write_module(module, info)?);
+    Ok(match uses_subgroups(module) {
+        true => format!("enable subgroups;\n{text}"),
+        false => text,
     })
 }
 
-/// Whether the writer can say the module's overrides: it knows values, but neither expressions of other
-/// overrides nor workgroups' sizes that depend on them.
-pub(crate) fn can_say_overrides(module: &Module) -> bool {
-    let derived =
-        |expression: &naga::Expression| matches!(expression, naga::Expression::Override(_));
-    let sized = |entry: &naga::EntryPoint| {
-        let sizes = entry.workgroup_size_overrides.iter().flatten();
-        sizes.flatten().next().is_some()
+fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
+    let custom = |error: &dyn std::error::Error| Error::Custom(error.to_string());
+    let mut marked = Marked::new(module).map_err(|error| custom(&error))?;
+    let info = if marked.has_tellers() {
+        // The module is valid: only the types of what the tellers tell are wanted.
+        Validator::new(ValidationFlags::empty(), Capabilities::all())
+            .validate(&marked.module)
+            .map(Cow::Owned)
+            .map_err(|error| custom(error.as_inner()))?
+    } else {
+        Cow::Borrowed(info)
     };
-    !module
-        .global_expressions
-        .iter()
-        .any(|(_, expression)| derived(expression))
-        && !module.entry_points.iter().any(sized)
+    marked.put_numbers_for_lengths();
+    let written = write_string(&marked.module, &info, WriterFlags::empty())?;
+    let text = Text::read(&written, &mut marked);
+    let names = naming::choose(&marked, &text).map_err(Error::Custom)?;
+    let printer = Printer {
+        marked: &marked,
+        text: &text,
+        names,
+        out: String::with_capacity(written.len()),
+    };
+    Ok(printer.print())
 }
 
-/// Gives entry points and overrides the names that a host knows them by: the writer adds `_` to a name
-/// that ends in a digit, and numbers one that something else has, too.
-fn with_own_names(module: &Module, text: String) -> String {
-    let mut entries = module.entry_points.iter().map(|entry| entry.name.as_str());
-    let named = module
-        .overrides
-        .iter()
-        .filter(|(_, item)| item.id.is_none());
-    let mut overrides = named.filter_map(|(_, item)| item.name.as_deref());
-    let mut renames = Vec::new();
-    let mut stage = false;
-    for line in text.lines() {
-        // Both come in the module's order, a stage's attribute on a line of its own.
-        let (written, own) = if let Some(rest) = line.strip_prefix("override ") {
-            (rest.split(':').next(), overrides.next())
-        } else if stage && line.starts_with("fn ") {
-            (line["fn ".len()..].split('(').next(), entries.next())
-        } else {
-            stage = ["@vertex", "@fragment", "@compute"]
-                .iter()
-                .any(|s| line.starts_with(s));
-            continue;
-        };
-        stage = false;
-        if let (Some(written), Some(own)) = (written, own)
-            && written != own
-        {
-            renames.push((written.to_owned(), own));
+struct Printer<'a> {
+    marked: &'a Marked,
+    text: &'a Text<'a>,
+    /// By mark.
+    names: Vec<String>,
+    out: String,
+}
+
+impl Printer<'_> {
+    fn print(mut self) -> String {
+        let lines = &self.text.lines;
+        for (index, line) in lines.iter().enumerate() {
+            let next = lines.get(index + 1).and_then(Line::subject);
+            match next.and_then(|entry| self.marked.workgroup_sizes.get(&entry)) {
+                Some(sizes) if line.raw.starts_with("@compute ") => self.workgroup_size(sizes),
+                _ if line.in_struct => self.member(line),
+                _ if self.is_length(line) => continue,
+                _ => self.declaration(line),
+            }
+            self.out.push('\n');
+        }
+        self.out
+    }
+
+    /// Whether the line declares what naga made of an array's length, which the array says itself.
+    fn is_length(&self, line: &Line<'_>) -> bool {
+        let things = &self.marked.things;
+        line.function.is_none()
+            && line
+                .subject()
+                .is_some_and(|mark| things[mark].scope == Scope::Unsaid)
+    }
+
+    fn workgroup_size(&mut self, sizes: &[Size; 3]) {
+        self.out.push_str("@compute @workgroup_size(");
+        for (axis, size) in sizes.iter().enumerate() {
+            self.out.push_str(if axis == 0 { "" } else { ", " });
+            match size {
+                Size::Number(number) => self.out.push_str(&number.to_string()),
+                Size::Told(teller) => self.told(*teller),
+            }
+        }
+        self.out.push_str(") ");
+    }
+
+    fn member(&mut self, line: &Line<'_>) {
+        let room = line
+            .subject()
+            .and_then(|mark| self.marked.things[mark].room);
+        if let Some(room) = room {
+            self.out.push_str(&format!("    @size({room})"));
+        }
+        // The attribute takes the place of the indent but for one space.
+        let indent = if room.is_some() { 3 } else { 0 };
+        self.pieces(&line.pieces, indent);
+    }
+
+    /// A line, with the value that its override or variable begins with where naga has no words for it.
+    fn declaration(&mut self, line: &Line<'_>) {
+        self.pieces(&line.pieces, 0);
+        let subject = line.subject().filter(|_| line.function.is_none());
+        if let Some(teller) = subject.and_then(|mark| self.marked.values.get(&mark)) {
+            self.out.truncate(self.out.trim_end_matches(';').len());
+            self.out.push_str(" = ");
+            self.told(*teller);
+            self.out.push(';');
         }
     }
-    renames.into_iter().fold(text, |text, (written, own)| {
-        // What has the name already makes way.
-        let text = replace_word(&text, own, &format!("{own}_other"));
-        replace_word(&text, &written, own)
-    })
-}
 
-fn replace_word(text: &str, word: &str, with: &str) -> String {
-    let part = |c: char| c.is_alphanumeric() || c == '_';
-    let mut out = String::with_capacity(text.len());
-    let mut from = 0;
-    for (at, _) in text.match_indices(word) {
-        let whole = !text[..at].ends_with(part) && !text[at + word.len()..].starts_with(part);
-        // A member keeps its name.
-        if at >= from && whole && !text[..at].ends_with('.') {
-            out.push_str(&text[from..at]);
-            out.push_str(with);
-            from = at + word.len();
+    fn told(&mut self, teller: usize) {
+        let text = self.text;
+        if let Some(pieces) = text.told.get(&teller) {
+            self.pieces(pieces, 0);
         }
     }
-    out.push_str(&text[from..]);
-    out
-}
 
-fn is_predeclared(module: &Module, handle: Handle<Type>) -> bool {
-    module
-        .special_types
-        .predeclared_types
-        .values()
-        .any(|known| *known == handle)
-}
-
-/// For each member of a struct the room that it must ask for, if it takes more than it needs.
-fn sizes(layouter: &Layouter, ty: &Type) -> Option<Vec<Option<u32>>> {
-    let TypeInner::Struct { members, span } = &ty.inner else {
-        return None;
-    };
-    let alignment = members
-        .iter()
-        .map(|member| layouter[member.ty].alignment)
-        .max()?;
-    let sizes = members.iter().enumerate().map(|(index, member)| {
-        let natural = member.offset + layouter[member.ty].size;
-        let (expected, end) = match members.get(index + 1) {
-            Some(next) => (layouter[next.ty].alignment.round_up(natural), next.offset),
-            None => (alignment.round_up(natural), *span),
-        };
-        (expected != end).then(|| end - member.offset)
-    });
-    Some(sizes.collect())
+    /// Prints `pieces`, leaving out as many bytes of the first.
+    fn pieces(&mut self, pieces: &[Piece<'_>], mut left_out: usize) {
+        for piece in pieces {
+            match piece {
+                Piece::Mark(mark) | Piece::Length(Length::Override(mark)) => {
+                    self.out.push_str(&self.names[*mark]);
+                }
+                Piece::Length(Length::Told(teller)) => self.told(*teller),
+                Piece::Word(text) | Piece::Other(text) => self.out.push_str(&text[left_out..]),
+            }
+            left_out = 0;
+        }
+    }
 }
