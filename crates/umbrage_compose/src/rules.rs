@@ -17,6 +17,25 @@ use crate::{Cause, Fault, Library, Reflection, Target, target::Limit};
 
 use constants::Constants;
 
+/// What is wrong in a module's text.
+pub(crate) struct Problem {
+    pub(crate) span: Span,
+    pub(crate) message: String,
+    pub(crate) advice: &'static str,
+}
+
+/// Checks what a module must keep by itself, whatever it is linked with: flow and constants.
+pub(crate) fn check_text(module: &Module) -> Result<(), Problem> {
+    let constants = Constants::new(module)?;
+    let functions = module.functions.iter().map(|(_, function)| function);
+    let entries = module.entry_points.iter().map(|entry| &entry.function);
+    for function in functions.chain(entries) {
+        flow::check(function)?;
+        constants.check(function)?;
+    }
+    Ok(())
+}
+
 /// A linked module, and what it is checked for.
 pub(crate) struct Subject<'a> {
     pub(crate) library: &'a Library,
@@ -29,25 +48,20 @@ pub(crate) struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// Checks what naga's validator would refuse without saying which limit it is.
     pub(crate) fn check_before_validation(&self) -> Result<(), Fault> {
-        let constants = Constants::new(self)?;
-        limits::workgroup_sizes(self, &constants)
+        limits::workgroup_sizes(self, &self.constants()?)
     }
 
     /// Checks a valid module; `info` and `reflection` are its.
     pub(crate) fn check(&self, info: &ModuleInfo, reflection: &Reflection) -> Result<(), Fault> {
-        let constants = Constants::new(self)?;
-        for (handle, function) in self.module.functions.iter() {
-            flow::check(self, function)?;
-            constants.check(self, function, &info[handle])?;
-        }
-        for (index, entry) in self.module.entry_points.iter().enumerate() {
-            flow::check(self, &entry.function)?;
-            constants.check(self, &entry.function, info.get_entry_point(index))?;
-        }
         aliases::check(self)?;
         stages::check(self, info)?;
         varyings::check(self)?;
-        limits::check(self, info, reflection, &constants)
+        limits::check(self, info, reflection, &self.constants()?)
+    }
+
+    fn constants(&self) -> Result<Constants<'a>, Fault> {
+        Constants::new(self.module)
+            .map_err(|problem| self.at(problem.span, problem.message).note(problem.advice))
     }
 
     /// All functions, entry points last.

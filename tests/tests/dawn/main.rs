@@ -2,7 +2,8 @@
 //!
 //! `dawn/shaders` has small shaders, one a file, whose first line says what Dawn says of it (`// Dawn: takes it`,
 //! or `// Dawn: refuses it: WHY`), so that ours are held to it where no Dawn is. A second line `// Umbrage: WORDS`
-//! asks that our refusal has these words. `UMBRAGE_BLESS=1` writes the first lines anew, by Dawn.
+//! asks that we refuse it in these words: of what Dawn takes, that is what naga cannot do. `UMBRAGE_BLESS=1` writes
+//! the first lines anew, by Dawn.
 #![allow(
     clippy::panic,
     reason = "a test's helpers may fail it, with the error's own words"
@@ -87,16 +88,14 @@ fn our_verdicts_are_the_stored_ones() {
         .par_iter()
         .filter_map(|shader| {
             let path = shader.path.display();
-            match (shader.stored(), our_refusal(&shader.text)) {
-                (None, None) => None,
-                (None, Some(ours)) => Some(format!("{path}: Dawn takes it, but we say\n{ours}")),
-                (Some(why), None) => Some(format!("{path}: Dawn says “{why}”, but we take it")),
-                (Some(_), Some(ours)) => match shader.words() {
-                    Some(words) if !ours.contains(words) => {
-                        Some(format!("{path}: not in these words: {words}\n{ours}"))
-                    }
-                    _ => None,
-                },
+            match (shader.stored(), shader.words(), our_refusal(&shader.text)) {
+                (None, None, None) => None,
+                (_, Some(words), Some(ours)) if ours.contains(words) => None,
+                (Some(_), None, Some(_)) => None,
+                (dawns, words, ours) => Some(format!(
+                    "{path}: Dawn says {dawns:?}, we are to say {words:?}, and say\n{}",
+                    ours.as_deref().unwrap_or("nothing against it")
+                )),
             }
         })
         .collect();

@@ -6,15 +6,14 @@
 
 use naga::{
     BinaryOperator, Expression, Function, Handle, Literal, MathFunction, Module, Override,
-    RelationalFunction, Scalar, TypeInner, UnaryOperator, proc::TypeResolution,
-    valid::FunctionInfo,
+    RelationalFunction, Scalar, Span, TypeInner, UnaryOperator, front::Typifier,
+    proc::ResolveContext,
 };
 
 use super::{
-    Subject,
+    Problem,
     value::{Value, converted, integer, length, number, recast, written},
 };
-use crate::Fault;
 
 /// The largest finite `f16`.
 const LARGEST_F16: f64 = 65_504.0;
@@ -28,28 +27,37 @@ pub(super) struct Constants<'a> {
 }
 
 /// Why an expression has no value: what is wrong, and what to do.
-struct Problem {
+struct Refusal {
     message: String,
     advice: &'static str,
 }
 
-type Evaluated = Result<Option<Value>, Problem>;
+impl Refusal {
+    fn at(self, span: Span) -> Problem {
+        Problem {
+            span,
+            message: self.message,
+            advice: self.advice,
+        }
+    }
+}
+
+type Evaluated = Result<Option<Value>, Refusal>;
 
 impl<'a> Constants<'a> {
     /// Evaluates the module's own expressions.
-    pub(super) fn new(subject: &Subject<'a>) -> Result<Self, Fault> {
-        let module = subject.module;
+    pub(super) fn new(module: &'a Module) -> Result<Self, Problem> {
         let mut constants = Self {
             module,
             values: Vec::with_capacity(module.global_expressions.len()),
         };
         for (handle, expression) in module.global_expressions.iter() {
             let get = |handle: Handle<Expression>| constants.values.get(handle.index()).copied()?;
-            let value = constants.evaluate(expression, &get).map_err(|problem| {
-                let span = module.global_expressions.get_span(handle);
-                subject.at(span, problem.message).note(problem.advice)
-            })?;
-            constants.values.push(value);
+            let value = constants.evaluate(expression, &get);
+            let span = module.global_expressions.get_span(handle);
+            constants
+                .values
+                .push(value.map_err(|refusal| refusal.at(span))?);
         }
         Ok(constants)
     }
@@ -65,26 +73,25 @@ impl<'a> Constants<'a> {
     }
 
     /// Checks the expressions of `function`.
-    pub(super) fn check(
-        &self,
-        subject: &Subject<'_>,
-        function: &Function,
-        info: &FunctionInfo,
-    ) -> Result<(), Fault> {
+    pub(super) fn check(&self, function: &Function) -> Result<(), Problem> {
         let expressions = &function.expressions;
         let mut values: Vec<Option<Value>> = Vec::with_capacity(expressions.len());
         for (handle, expression) in expressions.iter() {
             let get = |handle: Handle<Expression>| values.get(handle.index()).copied()?;
-            let value = self
-                .evaluate(expression, &get)
-                .and_then(|value| {
-                    self.place(expression, &get, info)?;
-                    Ok(value)
-                })
-                .map_err(|problem| {
-                    let span = expressions.get_span(handle);
-                    subject.at(span, problem.message).note(problem.advice)
-                })?;
+            let value = self.evaluate(expression, &get).and_then(|value| {
+                match *expression {
+                    Expression::Access { base, index } => {
+                        self.index_within(function, base, get(index))?;
+                    }
+                    Expression::ImageSample {
+                        offset: Some(offset),
+                        ..
+                    } => offset_within(get(offset))?,
+                    _ => {}
+                }
+                Ok(value)
+            });
+            let value = value.map_err(|refusal| refusal.at(expressions.get_span(handle)))?;
             // What a `let` names is no constant, whatever it is; `_ = 1;` names nothing.
             let named = function.named_expressions.get(&handle);
             values.push(value.filter(|_| named.is_none_or(|name| name == "phony")));
@@ -92,59 +99,41 @@ impl<'a> Constants<'a> {
         Ok(())
     }
 
-    /// Checks indices and texture offsets.
-    fn place(
+    fn index_within(
         &self,
-        expression: &Expression,
-        get: &dyn Fn(Handle<Expression>) -> Option<Value>,
-        info: &FunctionInfo,
-    ) -> Result<(), Problem> {
-        match *expression {
-            Expression::Access { base, index } => {
-                let Some(index) = get(index).and_then(|index| integer(index.component(0))) else {
-                    return Ok(());
-                };
-                let inner = match &info[base].ty {
-                    TypeResolution::Handle(ty) => &self.module.types[*ty].inner,
-                    TypeResolution::Value(inner) => inner,
-                };
-                let most = length(self.module, inner).map_or(i64::MAX, i64::from);
-                if (0..most).contains(&index) {
-                    return Ok(());
-                }
-                Err(Problem {
-                    message: match most {
-                        i64::MAX => format!("the index {index} is negative"),
-                        _ => {
-                            format!("the index {index} is out of bounds: there are {most} elements")
-                        }
-                    },
-                    advice: "count from 0 to one less than there are",
-                })
-            }
-            Expression::ImageSample {
-                offset: Some(offset),
-                ..
-            } => {
-                let outside = get(offset)
-                    .iter()
-                    .flat_map(|value| value.components().to_vec())
-                    .find(|component| {
-                        integer(*component).is_some_and(|texels| !(-8..=7).contains(&texels))
-                    });
-                match outside {
-                    Some(texels) => Err(Problem {
-                        message: format!(
-                            "a texture is fetched from at an offset of {} texels",
-                            written(texels)
-                        ),
-                        advice: "WebGPU allows offsets from -8 to 7 texels; move the coordinates instead",
-                    }),
-                    None => Ok(()),
-                }
-            }
-            _ => Ok(()),
+        function: &Function,
+        base: Handle<Expression>,
+        index: Option<Value>,
+    ) -> Result<(), Refusal> {
+        let Some(index) = index.and_then(|index| integer(index.component(0))) else {
+            return Ok(());
+        };
+        let context = ResolveContext::with_locals(
+            self.module,
+            &function.local_variables,
+            &function.arguments,
+        );
+        let mut typifier = Typifier::new();
+        if typifier
+            .grow(base, &function.expressions, &context)
+            .is_err()
+        {
+            // Naga's validator says why.
+            return Ok(());
         }
+        let length = length(self.module, typifier.get(base, &self.module.types));
+        if index >= 0 && length.is_none_or(|length| index < length.into()) {
+            return Ok(());
+        }
+        Err(Refusal {
+            message: match length {
+                Some(length) => {
+                    format!("the index {index} is out of bounds: there are {length} elements")
+                }
+                None => format!("the index {index} is negative"),
+            },
+            advice: "count from 0 to one less than there are",
+        })
     }
 
     /// The value of `expression`, where it is constant and we know how; `get` tells its operands'.
@@ -239,10 +228,28 @@ impl<'a> Constants<'a> {
     }
 }
 
-fn finite(value: Value, what: impl Fn() -> String) -> Result<Value, Problem> {
+/// Checks by how many texels a fetch is moved.
+fn offset_within(offset: Option<Value>) -> Result<(), Refusal> {
+    let texels = offset.iter().flat_map(|offset| offset.components());
+    let outside = texels
+        .copied()
+        .find(|texels| integer(*texels).is_some_and(|texels| !(-8..=7).contains(&texels)));
+    match outside {
+        Some(texels) => Err(Refusal {
+            message: format!(
+                "a texture is fetched from at an offset of {} texels",
+                written(texels)
+            ),
+            advice: "offsets go from -8 to 7 texels; move the coordinates instead",
+        }),
+        None => Ok(()),
+    }
+}
+
+fn finite(value: Value, what: impl Fn() -> String) -> Result<Value, Refusal> {
     let broken = |part: &&Literal| number(**part).is_some_and(|number| !number.is_finite());
     match value.components().iter().find(broken) {
-        Some(part) => Err(Problem {
+        Some(part) => Err(Refusal {
             message: format!("{} is {}, which no constant may be", what(), written(*part)),
             advice: "WGSL's constants are finite numbers; compute it from a variable if infinity is meant",
         }),
@@ -271,7 +278,7 @@ fn binary(op: BinaryOperator, left: Option<Value>, right: Option<Value>) -> Eval
     for part in right.components() {
         match (op, integer(*part)) {
             (BinaryOperator::Divide | BinaryOperator::Modulo, Some(0)) => {
-                return Err(Problem {
+                return Err(Refusal {
                     message: "an integer is divided by a constant that is 0".to_owned(),
                     advice: "divide by something else",
                 });
@@ -279,7 +286,7 @@ fn binary(op: BinaryOperator, left: Option<Value>, right: Option<Value>) -> Eval
             (BinaryOperator::ShiftLeft | BinaryOperator::ShiftRight, Some(bits))
                 if bits >= BITS =>
             {
-                return Err(Problem {
+                return Err(Refusal {
                     message: format!("a shift by {bits} bits"),
                     advice: "integers have 32 bits: shift by 0 to 31",
                 });
@@ -300,11 +307,11 @@ fn binary_of_scalars(
     op: BinaryOperator,
     left: Literal,
     right: Literal,
-) -> Result<Option<Literal>, Problem> {
+) -> Result<Option<Literal>, Refusal> {
     use BinaryOperator as Op;
     use Literal::{Bool, F32, I32, U32};
     let overflow = |what: &str| {
-        Err(Problem {
+        Err(Refusal {
             message: format!("{what} of constants overflows"),
             advice: "choose smaller constants",
         })
@@ -385,7 +392,7 @@ fn binary_of_scalars(
 /// The value of `fun`; refused where its constant arguments cannot be.
 fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
     let name = format!("`{}`", wgsl_name(fun));
-    let refuse = |message: String, advice: &'static str| Err(Problem { message, advice });
+    let refuse = |message: String, advice: &'static str| Err(Refusal { message, advice });
     match (fun, args) {
         (MathFunction::Clamp, [_, Some(low), Some(high), _]) => {
             for (low, high) in pairs(low, high) {

@@ -1,22 +1,25 @@
-//! Loops without an exit, and functions that end without a value: WGSL's analysis of behaviours
-//! (<https://www.w3.org/TR/WGSL/#behaviors>).
+//! Loops without an exit, functions that end without a value, and turns that pass over a declaration: WGSL's
+//! analysis of behaviours (<https://www.w3.org/TR/WGSL/#behaviors>) and its rule for `continue`.
 
-use std::ops::BitOr;
+use std::{collections::BTreeSet, ops::BitOr};
 
-use naga::{Block, Function, Span, Statement};
+use naga::{Block, Expression, Function, Handle, LocalVariable, Span, Statement};
 
-use super::Subject;
-use crate::Fault;
+use super::Problem;
+use crate::uniformity::for_each_operand;
 
-pub(super) fn check(subject: &Subject<'_>, function: &Function) -> Result<(), Fault> {
-    let behavior = of_block(subject, &function.body)?;
+pub(super) fn check(function: &Function) -> Result<(), Problem> {
+    let flow = Flow { function };
+    let behavior = flow.block(&function.body)?;
     if function.result.is_some() && behavior.next {
         let name = function.name.as_deref().unwrap_or("");
         let last = function.body.span_iter().last();
         let span = last.map_or(Span::UNDEFINED, |(_, span)| *span);
-        return Err(subject
-            .at(span, format!("`{name}` may end without a value"))
-            .note("end it with `return`; after `discard`, too, the rest is run"));
+        return Err(Problem {
+            span,
+            message: format!("`{name}` may end without a value"),
+            advice: "end it with `return`; after `discard`, too, the rest is run",
+        });
     }
     Ok(())
 }
@@ -34,13 +37,6 @@ struct Behavior {
     returns: bool,
 }
 
-const NEXT: Behavior = Behavior {
-    next: true,
-    breaks: false,
-    continues: false,
-    returns: false,
-};
-
 impl BitOr for Behavior {
     type Output = Self;
 
@@ -57,7 +53,13 @@ impl BitOr for Behavior {
 impl Behavior {
     const NONE: Self = Self {
         next: false,
-        ..NEXT
+        breaks: false,
+        continues: false,
+        returns: false,
+    };
+    const NEXT: Self = Self {
+        next: true,
+        ..Self::NONE
     };
 
     /// Where a `break` within ends it.
@@ -70,76 +72,228 @@ impl Behavior {
     }
 }
 
-fn of_block(subject: &Subject<'_>, block: &Block) -> Result<Behavior, Fault> {
-    let mut behavior = NEXT;
-    for (statement, span) in block.span_iter() {
-        // What cannot be reached must be sound, too.
-        let own = of_statement(subject, statement, *span)?;
-        if behavior.next {
-            behavior = Behavior {
-                next: false,
-                ..behavior
-            } | own;
-        }
-    }
-    Ok(behavior)
+struct Flow<'a> {
+    function: &'a Function,
 }
 
-fn of_statement(
-    subject: &Subject<'_>,
-    statement: &Statement,
-    span: Span,
-) -> Result<Behavior, Fault> {
-    Ok(match statement {
-        Statement::Block(block) => of_block(subject, block)?,
-        Statement::If { accept, reject, .. } => {
-            of_block(subject, accept)? | of_block(subject, reject)?
+impl Flow<'_> {
+    fn block(&self, block: &Block) -> Result<Behavior, Problem> {
+        let mut behavior = Behavior::NEXT;
+        for (statement, span) in block.span_iter() {
+            // What cannot be reached must be sound, too.
+            let own = self.statement(statement, *span)?;
+            if behavior.next {
+                behavior.next = false;
+                behavior = behavior | own;
+            }
         }
-        Statement::Switch { cases, .. } => {
-            let mut behavior = Behavior::NONE;
-            for case in cases {
-                // What falls through has the behavior of the next.
-                let own = of_block(subject, &case.body)?;
-                if !case.fall_through {
-                    behavior = behavior | own;
+        Ok(behavior)
+    }
+
+    fn statement(&self, statement: &Statement, span: Span) -> Result<Behavior, Problem> {
+        Ok(match statement {
+            Statement::Block(block) => self.block(block)?,
+            Statement::If { accept, reject, .. } => self.block(accept)? | self.block(reject)?,
+            Statement::Switch { cases, .. } => {
+                let mut behavior = Behavior::NONE;
+                for case in cases {
+                    let own = self.block(&case.body)?;
+                    // What falls through does what the next one does.
+                    if !case.fall_through {
+                        behavior = behavior | own;
+                    }
                 }
+                behavior.after_breaks()
             }
-            behavior.after_breaks()
+            Statement::Loop {
+                body,
+                continuing,
+                break_if,
+            } => {
+                let both = self.block(body)? | self.block(continuing)?;
+                let behavior = Behavior {
+                    breaks: both.breaks | break_if.is_some(),
+                    next: false,
+                    continues: false,
+                    returns: both.returns,
+                }
+                .after_breaks();
+                if !behavior.next && !behavior.returns {
+                    return Err(Problem {
+                        span,
+                        message: "the loop has no exit".to_owned(),
+                        advice: "give it a condition, or a `break` or `return` that can be reached; `discard` ends no loop",
+                    });
+                }
+                self.passes_over_nothing(body, continuing, *break_if)?;
+                behavior
+            }
+            Statement::Break => Behavior {
+                breaks: true,
+                ..Behavior::NONE
+            },
+            Statement::Continue => Behavior {
+                continues: true,
+                ..Behavior::NONE
+            },
+            Statement::Return { .. } => Behavior {
+                returns: true,
+                ..Behavior::NONE
+            },
+            _ => Behavior::NEXT,
+        })
+    }
+
+    /// That what a loop's `continuing` block uses was declared by then, whichever way it is come to.
+    fn passes_over_nothing(
+        &self,
+        body: &Block,
+        continuing: &Block,
+        break_if: Option<Handle<Expression>>,
+    ) -> Result<(), Problem> {
+        let Some((index, jump)) = body
+            .span_iter()
+            .enumerate()
+            .find_map(|(index, (statement, span))| Some((index, continue_in(statement, *span)?)))
+        else {
+            return Ok(());
+        };
+        let declared = self.declared(body.span_iter().skip(index + 1));
+        let mut used = break_if
+            .into_iter()
+            .filter_map(|expression| declared.name(self.function, expression))
+            .next();
+        self.for_each_use(continuing, &mut |expression| {
+            if used.is_none() {
+                used = declared.name(self.function, expression);
+            }
+        });
+        match used {
+            Some(name) => Err(Problem {
+                span: jump,
+                message: format!(
+                    "a `continue` passes over the declaration of `{name}`, which the `continuing` block uses"
+                ),
+                advice: "declare it before the first `continue`, or before the loop",
+            }),
+            None => Ok(()),
         }
-        Statement::Loop {
-            body,
-            continuing,
-            break_if,
-        } => {
-            let both = of_block(subject, body)? | of_block(subject, continuing)?;
-            let behavior = Behavior {
-                breaks: both.breaks | break_if.is_some(),
-                next: false,
-                continues: false,
-                ..both
+    }
+
+    /// What `statements` declare.
+    fn declared<'a>(
+        &self,
+        statements: impl Iterator<Item = (&'a Statement, &'a Span)>,
+    ) -> Declared {
+        let mut declared = Declared::default();
+        for (statement, span) in statements {
+            match statement {
+                Statement::Emit(range) => declared.values.extend(range.clone()),
+                Statement::Call {
+                    result: Some(result),
+                    ..
+                } => {
+                    declared.values.insert(*result);
+                }
+                // A variable that is declared in a loop is given its value there, by its declaration.
+                Statement::Store { pointer, .. } => {
+                    if let Expression::LocalVariable(local) = self.function.expressions[*pointer]
+                        && self.function.local_variables.get_span(local) == *span
+                    {
+                        declared.variables.insert(local);
+                    }
+                }
+                _ => {}
             }
-            .after_breaks();
-            if !behavior.next && !behavior.returns {
-                return Err(subject.at(span, "the loop has no exit").note(
-                    "give it a condition, or a `break` or `return` that can be reached; `discard` ends no loop",
-                ));
-            }
-            behavior
         }
-        Statement::Break => Behavior {
-            breaks: true,
-            ..Behavior::NONE
-        },
-        Statement::Continue => Behavior {
-            continues: true,
-            ..Behavior::NONE
-        },
-        // Naga ends a function with one, that its author did not write, which gives no value.
-        Statement::Return { value: None } if span.to_range().is_none() => NEXT,
-        Statement::Return { .. } => Behavior {
-            returns: true,
-            ..Behavior::NONE
-        },
-        _ => NEXT,
-    })
+        declared
+    }
+
+    /// Calls `visit` for what the statements of `block` use.
+    fn for_each_use(&self, block: &Block, visit: &mut dyn FnMut(Handle<Expression>)) {
+        for statement in block.iter() {
+            match statement {
+                Statement::Emit(range) => {
+                    for expression in range.clone() {
+                        let expression = &self.function.expressions[expression];
+                        for_each_operand(expression, &mut |operand| visit(operand));
+                    }
+                }
+                Statement::Store { pointer, value } => {
+                    visit(*pointer);
+                    visit(*value);
+                }
+                Statement::Call { arguments, .. } => {
+                    arguments.iter().for_each(|argument| visit(*argument));
+                }
+                Statement::If {
+                    condition,
+                    accept,
+                    reject,
+                } => {
+                    visit(*condition);
+                    self.for_each_use(accept, visit);
+                    self.for_each_use(reject, visit);
+                }
+                Statement::Switch { selector, cases } => {
+                    visit(*selector);
+                    for case in cases {
+                        self.for_each_use(&case.body, visit);
+                    }
+                }
+                Statement::Block(block) => self.for_each_use(block, visit),
+                Statement::Loop {
+                    body,
+                    continuing,
+                    break_if,
+                } => {
+                    self.for_each_use(body, visit);
+                    self.for_each_use(continuing, visit);
+                    break_if.iter().for_each(|condition| visit(*condition));
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// What was declared: values that have names, and variables.
+#[derive(Default)]
+struct Declared {
+    values: BTreeSet<Handle<Expression>>,
+    variables: BTreeSet<Handle<LocalVariable>>,
+}
+
+impl Declared {
+    /// The name of what `expression` is, where it is among these.
+    fn name(&self, function: &Function, expression: Handle<Expression>) -> Option<String> {
+        if let Expression::LocalVariable(local) = function.expressions[expression] {
+            let among = self.variables.contains(&local);
+            return among.then(|| {
+                function.local_variables[local]
+                    .name
+                    .clone()
+                    .unwrap_or_default()
+            });
+        }
+        let name = function.named_expressions.get(&expression);
+        self.values
+            .contains(&expression)
+            .then(|| name.cloned().unwrap_or_default())
+    }
+}
+
+/// Where `statement` goes on with the next turn of the loop that it stands in.
+fn continue_in(statement: &Statement, span: Span) -> Option<Span> {
+    let within = |block: &Block| {
+        let mut statements = block.span_iter();
+        statements.find_map(|(statement, span)| continue_in(statement, *span))
+    };
+    match statement {
+        Statement::Continue => Some(span),
+        Statement::Block(block) => within(block),
+        Statement::If { accept, reject, .. } => within(accept).or_else(|| within(reject)),
+        Statement::Switch { cases, .. } => cases.iter().find_map(|case| within(&case.body)),
+        _ => None,
+    }
 }

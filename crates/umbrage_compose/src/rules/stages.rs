@@ -2,7 +2,8 @@
 //! some kinds of access alone (<https://gpuweb.github.io/gpuweb/#texture-format-caps>).
 
 use naga::{
-    AddressSpace, ImageClass, ShaderStage, StorageAccess, StorageFormat, TypeInner,
+    AddressSpace, Handle, ImageClass, Module, ShaderStage, StorageAccess, StorageFormat, Type,
+    TypeInner,
     valid::{GlobalUse, ModuleInfo},
 };
 
@@ -11,8 +12,32 @@ use crate::Fault;
 
 pub(super) fn check(subject: &Subject<'_>, info: &ModuleInfo) -> Result<(), Fault> {
     for (handle, global) in subject.module.global_variables.iter() {
+        let entries = subject.module.entry_points.iter().enumerate();
+        let mut used = entries
+            .filter(|(index, _)| info.get_entry_point(*index)[handle] != GlobalUse::empty())
+            .map(|(_, entry)| entry);
+        let name = global.name.as_deref().unwrap_or("");
+        if global.space == AddressSpace::WorkGroup {
+            let Some(entry) = used.find(|entry| entry.stage != ShaderStage::Compute) else {
+                continue;
+            };
+            let message = format!(
+                "`{}` uses the workgroup variable `{name}`, but is no compute stage",
+                entry.name
+            );
+            let advice = "a `private` variable is an invocation's own";
+            return Err(subject.at_variable(handle, message).note(advice));
+        }
         let (kind, writes) = match (global.space, &subject.module.types[global.ty].inner) {
-            (AddressSpace::Storage { access }, _) => ("storage buffer", access),
+            (AddressSpace::Storage { access }, _) => {
+                if !access.contains(StorageAccess::STORE) && has_atomic(subject.module, global.ty) {
+                    let message =
+                        format!("the storage buffer `{name}` has atomics and is read-only");
+                    let advice = "atomics need `read_write` access";
+                    return Err(subject.at_variable(handle, message).note(advice));
+                }
+                ("storage buffer", access)
+            }
             (
                 _,
                 TypeInner::Image {
@@ -27,15 +52,11 @@ pub(super) fn check(subject: &Subject<'_>, info: &ModuleInfo) -> Result<(), Faul
             }
             _ => continue,
         };
-        let entries = subject.module.entry_points.iter().enumerate();
-        let vertex = entries
-            .filter(|(_, entry)| entry.stage == ShaderStage::Vertex)
-            .find(|(index, _)| info.get_entry_point(*index)[handle] != GlobalUse::empty());
-        if let Some((_, entry)) = vertex
+        let vertex = used.find(|entry| entry.stage == ShaderStage::Vertex);
+        if let Some(entry) = vertex
             && writes.contains(StorageAccess::STORE)
             && !subject.target.has_vertex_writes()
         {
-            let name = global.name.as_deref().unwrap_or("");
             let message = format!(
                 "the vertex stage `{}` uses the {kind} `{name}`, which is not read-only",
                 entry.name
@@ -45,6 +66,17 @@ pub(super) fn check(subject: &Subject<'_>, info: &ModuleInfo) -> Result<(), Faul
         }
     }
     Ok(())
+}
+
+fn has_atomic(module: &Module, ty: Handle<Type>) -> bool {
+    match &module.types[ty].inner {
+        TypeInner::Atomic(_) => true,
+        TypeInner::Array { base, .. } => has_atomic(module, *base),
+        TypeInner::Struct { members, .. } => {
+            members.iter().any(|member| has_atomic(module, member.ty))
+        }
+        _ => false,
+    }
 }
 
 /// Whether a storage texture may have `format` with `access`, on a device without further features.

@@ -15,6 +15,19 @@ pub(super) fn check(subject: &Subject<'_>) -> Result<(), Fault> {
         let entries = subject.module.entry_points.iter();
         entries.filter(move |entry| entry.stage == stage)
     };
+    for compute in stage(ShaderStage::Compute) {
+        let taken = inputs(subject.module, compute);
+        if !taken.located.is_empty() || compute.function.result.is_some() {
+            let message = format!(
+                "the compute stage `{}` takes or gives something at a location",
+                compute.name
+            );
+            let advice = "a compute stage has built-in inputs alone; it reads and writes buffers and textures";
+            return Err(subject
+                .at_entry(compute, &compute.name, message)
+                .note(advice));
+        }
+    }
     for fragment in stage(ShaderStage::Fragment) {
         let taken = inputs(subject.module, fragment);
         let mut refusal = None;

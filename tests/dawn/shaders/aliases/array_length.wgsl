@@ -1,4 +1,5 @@
 // Dawn: takes it
+// Umbrage: can't be passed into functions
 @group(0) @binding(0) var<storage, read_write> s: array<i32>;
 fn f(a: ptr<storage, array<i32>, read_write>) -> u32 {
     s[0] = 1;

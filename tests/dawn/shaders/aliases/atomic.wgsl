@@ -1,5 +1,5 @@
 // Dawn: refuses it: invalid aliased pointer argument
-// Umbrage: uses by name
+// Umbrage: can't be passed into functions
 var<workgroup> w: atomic<i32>;
 fn f(a: ptr<workgroup, atomic<i32>>) {
     atomicAdd(a, 1);

@@ -1,4 +1,5 @@
 // Dawn: takes it
+// Umbrage: can't be passed into functions
 var<workgroup> w: atomic<i32>;
 fn f(a: ptr<workgroup, atomic<i32>>) -> i32 {
     return atomicLoad(a) + atomicLoad(&w);

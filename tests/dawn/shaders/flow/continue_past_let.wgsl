@@ -1,4 +1,5 @@
 // Dawn: refuses it: continue statement bypasses declaration of 'y'
+// Umbrage: passes over the declaration of `y`
 @compute @workgroup_size(1) fn cs() {
     var x = 1;
     loop {
