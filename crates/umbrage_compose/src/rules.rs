@@ -3,6 +3,7 @@
 //! Each is a function of the linked module that gives the first fault, at its author's place. Dawn is the oracle:
 //! the tests hold every verdict against its own (`tests/dawn`).
 
+mod abstracts;
 mod aliases;
 mod constants;
 mod flow;
@@ -25,13 +26,16 @@ pub(crate) struct Problem {
 }
 
 /// Checks what a module must keep by itself, whatever it is linked with: flow and constants.
-pub(crate) fn check_text(module: &Module) -> Result<(), Problem> {
+///
+/// `text` is what naga parsed it from.
+pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
     let constants = Constants::new(module)?;
     let functions = module.functions.iter().map(|(_, function)| function);
     let entries = module.entry_points.iter().map(|entry| &entry.function);
     for function in functions.chain(entries) {
         flow::check(function)?;
         constants.check(function)?;
+        abstracts::check(function, text)?;
     }
     Ok(())
 }

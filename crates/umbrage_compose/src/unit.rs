@@ -77,7 +77,7 @@ pub(crate) fn parse(
             drop_added_returns(&mut function.body);
         }
     }
-    check_text(&parsed).map_err(|problem| {
+    check_text(&parsed, &prepared.text).map_err(|problem| {
         let span = shifted(problem.span, 0, &prepared.own).to_range();
         let place = source.place(span.unwrap_or(0..0));
         Refusal {

@@ -56,12 +56,11 @@ const NATURALS: [&str; 11] = [
     "4294967295u",
 ];
 
-const OF_FLOAT: [&str; 40] = [
+const OF_FLOAT: [&str; 39] = [
     "f + f",
     "f - f",
     "f * f",
     "f / f",
-    "f % f",
     "-f",
     "clamp(f, f, f)",
     "smoothstep(f, f, f)",
@@ -118,7 +117,7 @@ const OF_INTEGER: [&str; 20] = [
     "abs(i)",
     "three[i]",
     "array(1, 2, 3)[u]",
-    "(vec2i(i, i) / vec2i(i, i)).x",
+    "(vec2i(i, i) / vec2i(i)).x",
 ];
 const OF_NATURAL: [&str; 17] = [
     "u + u",
@@ -136,8 +135,8 @@ const OF_NATURAL: [&str; 17] = [
     "u32(i)",
     "pack2x16float(vec2f(f, f))",
     "bitcast<u32>(f)",
-    "(vec2u(u, u) % vec2u(u, u)).y",
-    "(vec2u(u, u) << vec2u(u, u)).y",
+    "(vec2u(u, u) % vec2u(u)).y",
+    "(vec2u(u, u) << vec2u(u)).y",
 ];
 
 fn literal(rng: &mut Rng, kind: char) -> &'static str {
@@ -186,7 +185,13 @@ fn constants(rng: &mut Rng) -> String {
     let mut text = String::new();
     let mut body = "    var three = array(1, 2, 3);\n".to_owned();
     for (kind, ty) in KINDS.iter().zip(["f32", "i32", "u32"]) {
-        let [constant, override_, let_, variable] = [(); 4].map(|()| literal(rng, *kind));
+        let [constant, override_, variable] = [(); 3].map(|()| literal(rng, *kind));
+        // Naga takes what a `let` names for a constant here and there: only what is in range is judged alike.
+        let let_ = match kind {
+            'f' => literal(rng, *kind),
+            'i' => "2",
+            _ => "1",
+        };
         let _ = writeln!(text, "const CONSTANT_{kind}: {ty} = {constant};");
         let _ = writeln!(text, "override override_{kind}: {ty} = {override_};");
         let _ = writeln!(body, "    let let_{kind}: {ty} = {let_};");

@@ -389,10 +389,13 @@ fn binary_of_scalars(
     }))
 }
 
+fn refuse<T>(message: String, advice: &'static str) -> Result<T, Refusal> {
+    Err(Refusal { message, advice })
+}
+
 /// The value of `fun`; refused where its constant arguments cannot be.
 fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
     let name = format!("`{}`", wgsl_name(fun));
-    let refuse = |message: String, advice: &'static str| Err(Refusal { message, advice });
     match (fun, args) {
         (MathFunction::Clamp, [_, Some(low), Some(high), _]) => {
             for (low, high) in pairs(low, high) {
@@ -471,6 +474,80 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
             let (offset, count) = (offset.component(0), count.component(0));
             value.map(|part| extract(part, offset, count))
         }
+        (MathFunction::Min | MathFunction::Max, [a, b]) => {
+            let least = fun == MathFunction::Min;
+            a.zip(*b, |a, b| Ok(chosen(a, b, least)))?
+        }
+        (MathFunction::Clamp, [value, low, high]) => {
+            let raised = value.zip(*low, |value, low| Ok(chosen(value, low, false)))?;
+            match raised {
+                Some(raised) => raised.zip(*high, |value, high| Ok(chosen(value, high, true)))?,
+                None => None,
+            }
+        }
+        (MathFunction::Pow, [base, exponent]) => base.zip(*exponent, |base, exponent| {
+            let (Literal::F32(base), Literal::F32(exponent)) = (base, exponent) else {
+                return Ok(None);
+            };
+            if base < 0.0 || (base == 0.0 && exponent <= 0.0) {
+                return refuse(
+                    format!("{name} of {base:?} and {exponent:?}"),
+                    "it is defined of positive bases",
+                );
+            }
+            Ok(Some(Literal::F32(base.powf(exponent))))
+        })?,
+        (MathFunction::Step, [edge, value]) => edge.zip(*value, |edge, value| {
+            let (Some(edge), Some(value)) = (number(edge), number(value)) else {
+                return Ok(None);
+            };
+            Ok(Some(Literal::F32(if edge <= value { 1.0 } else { 0.0 })))
+        })?,
+        (MathFunction::Dot, [a, b]) => sum_of_products(*a, *b),
+        (MathFunction::Length, [value]) => length_of(*value),
+        (MathFunction::Distance, [a, b]) => {
+            let difference = a.zip(*b, |a, b| binary_of_scalars(BinaryOperator::Subtract, a, b))?;
+            difference.and_then(length_of)
+        }
+        (MathFunction::Normalize, [value]) => match length_of(*value).map(|l| l.component(0)) {
+            Some(Literal::F32(0.0)) => {
+                return refuse(
+                    format!("{name} of zeros"),
+                    "a vector of length 0 has no direction",
+                );
+            }
+            Some(length) => value.zip(Value::scalar(length), |part, length| {
+                binary_of_scalars(BinaryOperator::Divide, part, length)
+            })?,
+            None => None,
+        },
+        (MathFunction::InsertBits, [value, new, offset, count]) => {
+            let (offset, count) = (offset.component(0), count.component(0));
+            value.zip(*new, |value, new| {
+                Ok::<_, Refusal>(insert((value, new), offset, count))
+            })?
+        }
+        (MathFunction::Ldexp, [value, exponent]) => value.zip(*exponent, |value, exponent| {
+            Ok(match (value, exponent) {
+                (Literal::F32(value), Literal::I32(exponent)) => Some(Literal::F32(
+                    (f64::from(value) * f64::from(exponent.max(-300)).exp2()) as f32,
+                )),
+                _ => None,
+            })
+        })?,
+        (MathFunction::Mix | MathFunction::Fma | MathFunction::SmoothStep, [a, b, c]) => {
+            let length = [a, b, c].map(|part| part.components().len());
+            let length = length.into_iter().max().unwrap_or(1);
+            let joined: Option<Vec<_>> = (0..length)
+                .map(|index| match [a, b, c].map(|part| part.component(index)) {
+                    [Literal::F32(a), Literal::F32(b), Literal::F32(c)] => {
+                        Some(Literal::F32(of_three(fun, a, b, c)))
+                    }
+                    _ => None,
+                })
+                .collect();
+            joined.and_then(|joined| Value::from_components(&joined))
+        }
         (_, [value]) => {
             let known = scalar_function(fun);
             let Some((function, domain)) = known else {
@@ -491,44 +568,66 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
                 _ => None,
             })
         }
-        (MathFunction::Min | MathFunction::Max, [a, b]) => {
-            let least = fun == MathFunction::Min;
-            let chosen: Evaluated = a.zip(*b, |a, b| {
-                let first = (number(a) <= number(b)) == least;
-                Ok(Some(if first { a } else { b }))
-            });
-            return chosen;
-        }
-        (MathFunction::Ldexp, [value, exponent]) => {
-            let scaled: Evaluated = value.zip(*exponent, |value, exponent| {
-                Ok(match (value, exponent) {
-                    (Literal::F32(value), Literal::I32(exponent)) => Some(Literal::F32(
-                        (f64::from(value) * f64::from(exponent.max(-300)).exp2()) as f32,
-                    )),
-                    _ => None,
-                })
-            });
-            scaled?
-        }
-        (MathFunction::Mix, [a, b, t]) => {
-            let length = a.components().len();
-            let mixed: Option<Vec<_>> = (0..length)
-                .map(
-                    |index| match (a.component(index), b.component(index), t.component(index)) {
-                        (Literal::F32(a), Literal::F32(b), Literal::F32(t)) => {
-                            Some(Literal::F32(a * (1.0 - t) + b * t))
-                        }
-                        _ => None,
-                    },
-                )
-                .collect();
-            mixed.and_then(|mixed| Value::from_components(&mixed))
-        }
         _ => None,
     };
     value
         .map(|value| finite(value, || format!("{name} of constants")))
         .transpose()
+}
+
+/// The lesser of two, or the greater.
+fn chosen(a: Literal, b: Literal, least: bool) -> Option<Literal> {
+    let first = (number(a)? <= number(b)?) == least;
+    Some(if first { a } else { b })
+}
+
+fn of_three(fun: MathFunction, a: f32, b: f32, c: f32) -> f32 {
+    match fun {
+        MathFunction::Mix => a * (1.0 - c) + b * c,
+        MathFunction::Fma => a * b + c,
+        _ if (b - a).is_finite() => {
+            let t = ((c - a) / (b - a)).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        }
+        // The way there is no number.
+        _ => b - a,
+    }
+}
+
+fn sum_of_products(a: Value, b: Value) -> Option<Value> {
+    let products = pairs(a, b).into_iter().map(|(a, b)| match (a, b) {
+        (Literal::F32(a), Literal::F32(b)) => Some(a * b),
+        _ => None,
+    });
+    let sum: Option<f32> = products.sum();
+    Some(Value::scalar(Literal::F32(sum?)))
+}
+
+fn length_of(value: Value) -> Option<Value> {
+    match value.components() {
+        [Literal::F32(alone)] => Some(Value::scalar(Literal::F32(alone.abs()))),
+        _ => sum_of_products(value, value)?.map(|squared| match squared {
+            Literal::F32(squared) => Some(Literal::F32(squared.sqrt())),
+            _ => None,
+        }),
+    }
+}
+
+fn insert((value, new): (Literal, Literal), offset: Literal, count: Literal) -> Option<Literal> {
+    let (offset, count) = (integer(offset)? as u32, integer(count)? as u32);
+    let mask = match count {
+        0 => 0,
+        count => (u32::MAX >> (32 - count)) << offset,
+    };
+    let inserted =
+        |value: u32, new: u32| (value & !mask) | (new.checked_shl(offset).unwrap_or(0) & mask);
+    Some(match (value, new) {
+        (Literal::I32(value), Literal::I32(new)) => {
+            Literal::I32(inserted(value as u32, new as u32) as i32)
+        }
+        (Literal::U32(value), Literal::U32(new)) => Literal::U32(inserted(value, new)),
+        _ => return None,
+    })
 }
 
 fn pairs(a: Value, b: Value) -> Vec<(Literal, Literal)> {

@@ -1,0 +1,4 @@
+// Umbrage: no `i32`
+@compute @workgroup_size(1) fn cs() {
+    var r = 1 + 2147483647 + 1;
+}

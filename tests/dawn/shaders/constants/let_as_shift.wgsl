@@ -1,0 +1,6 @@
+// Umbrage: hift amount
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    let z = 32u;
+    let r = n << z;
+}

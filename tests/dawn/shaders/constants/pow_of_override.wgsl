@@ -1,0 +1,7 @@
+// Umbrage: `pow` of
+override o = -2.0;
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = pow(o, 2.0);
+}
