@@ -25,19 +25,22 @@ pub(crate) struct Problem {
     pub(crate) advice: &'static str,
 }
 
-/// Checks what a module must keep by itself, whatever it is linked with: flow and constants.
-///
-/// `text` is what naga parsed it from.
+/// Checks what a module must keep by itself, whatever it is linked with; `text` is what naga parsed it from.
 pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
     let constants = Constants::new(module)?;
-    let functions = module.functions.iter().map(|(_, function)| function);
-    let entries = module.entry_points.iter().map(|entry| &entry.function);
-    for function in functions.chain(entries) {
+    for function in functions(module) {
         flow::check(function)?;
         constants.check(function)?;
         abstracts::check(function, text)?;
     }
-    Ok(())
+    aliases::check(module)
+}
+
+/// All functions, entry points last.
+fn functions(module: &Module) -> impl Iterator<Item = &Function> {
+    let entries = module.entry_points.iter().map(|entry| &entry.function);
+    let functions = module.functions.iter().map(|(_, function)| function);
+    functions.chain(entries)
 }
 
 /// A linked module, and what it is checked for.
@@ -57,22 +60,19 @@ impl<'a> Subject<'a> {
 
     /// Checks a valid module; `info` and `reflection` are its.
     pub(crate) fn check(&self, info: &ModuleInfo, reflection: &Reflection) -> Result<(), Fault> {
-        aliases::check(self)?;
+        // Again, now that calls lead into other modules.
+        aliases::check(self.module).map_err(|problem| self.fault(problem))?;
         stages::check(self, info)?;
         varyings::check(self)?;
         limits::check(self, info, reflection, &self.constants()?)
     }
 
     fn constants(&self) -> Result<Constants<'a>, Fault> {
-        Constants::new(self.module)
-            .map_err(|problem| self.at(problem.span, problem.message).note(problem.advice))
+        Constants::new(self.module).map_err(|problem| self.fault(problem))
     }
 
-    /// All functions, entry points last.
-    fn functions(&self) -> impl Iterator<Item = &'a Function> {
-        let entries = self.module.entry_points.iter().map(|entry| &entry.function);
-        let functions = self.module.functions.iter().map(|(_, function)| function);
-        functions.chain(entries)
+    fn fault(&self, problem: Problem) -> Fault {
+        self.at(problem.span, problem.message).note(problem.advice)
     }
 
     /// A fault at `span` of the linked module.

@@ -402,7 +402,7 @@ fn parse_fault(
     ];
     if unknown.iter().any(|words| message.contains(words)) {
         fault = fault.note(
-            "naga does not evaluate every function of constants: give an argument a type, as in `1.0f`, within a function",
+            "naga does not evaluate every function of constants: call it within a function, and give an argument a type, as in `1.0f`",
         );
     }
     // Naga names what it does not know; the nearest known name is most of the help.

@@ -31,13 +31,18 @@ pub(super) fn check(function: &Function, text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether `written` is made of whole numbers without a type alone.
+/// Whether `written` is made of whole numbers without a type alone; by how much they are shifted has a type of its own.
 fn is_whole(written: &str) -> bool {
-    let words = written.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
-    words.filter(|word| !word.is_empty()).all(|word| {
+    let shifted = written.split("<<").next().unwrap_or("");
+    let words = shifted.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
+    let words = words.filter(|word| !word.is_empty());
+    // Of a call, naga has the place of the function's name.
+    let mut numbers = 0;
+    let whole = words.into_iter().all(|word| {
+        numbers += 1;
         word.bytes().all(|byte| byte.is_ascii_digit())
-            || ["abs", "min", "max", "clamp"].contains(&word)
-    })
+    });
+    whole && numbers > 0
 }
 
 /// Whether `before` ends where a declaration without a type is given its value.

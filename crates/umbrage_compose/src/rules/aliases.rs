@@ -4,19 +4,18 @@
 use std::collections::BTreeSet;
 
 use naga::{
-    AtomicFunction, Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Span,
-    Statement,
+    AtomicFunction, Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Module,
+    Span, Statement,
 };
 
-use super::Subject;
-use crate::Fault;
+use super::{Problem, functions};
 
-pub(super) fn check(subject: &Subject<'_>) -> Result<(), Fault> {
+pub(super) fn check(module: &Module) -> Result<(), Problem> {
     // Each function stands after those that it calls.
     let mut known = Vec::new();
-    for function in subject.functions() {
+    for function in functions(module) {
         let mut walk = Walk {
-            subject,
+            module,
             function,
             roots: roots(function),
             known: &known,
@@ -70,7 +69,7 @@ fn roots(function: &Function) -> Vec<Option<Root>> {
 }
 
 struct Walk<'a> {
-    subject: &'a Subject<'a>,
+    module: &'a Module,
     function: &'a Function,
     roots: Vec<Option<Root>>,
     known: &'a [Uses],
@@ -90,7 +89,7 @@ impl Walk<'_> {
         }
     }
 
-    fn block(&mut self, block: &Block) -> Result<(), Fault> {
+    fn block(&mut self, block: &Block) -> Result<(), Problem> {
         for (statement, span) in block.span_iter() {
             match statement {
                 Statement::Block(block) => self.block(block)?,
@@ -136,7 +135,7 @@ impl Walk<'_> {
         callee: Handle<Function>,
         arguments: &[Handle<Expression>],
         span: Span,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), Problem> {
         let Some(uses) = self.known.get(callee.index()) else {
             return Ok(());
         };
@@ -192,17 +191,18 @@ impl Walk<'_> {
         root: Root,
         span: Span,
         message: impl Fn(&str, &str) -> String,
-    ) -> Fault {
-        let module = self.subject.module;
+    ) -> Problem {
+        let module = self.module;
         let name = match root {
             Root::Argument(index) => &self.function.arguments[index as usize].name,
             Root::Global(global) => &module.global_variables[global].name,
             Root::Local(local) => &self.function.local_variables[local].name,
         };
         let callee = module.functions[callee].name.as_deref().unwrap_or("");
-        let message = message(callee, name.as_deref().unwrap_or(""));
-        self.subject
-            .at(span, message)
-            .note("pass a copy of it, made by `var`, or let the function take it by one way alone")
+        Problem {
+            span,
+            message: message(callee, name.as_deref().unwrap_or("")),
+            advice: "pass a copy of it, made by `var`, or let the function take it by one way alone",
+        }
     }
 }

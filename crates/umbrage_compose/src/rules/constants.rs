@@ -4,6 +4,7 @@
 //! Naga evaluates what is constant through and through, and refuses what it finds there. What it knows no value
 //! of stays in its IR as it was written, and so does what has but some arguments constant.
 
+use half::f16;
 use naga::{
     BinaryOperator, Expression, Function, Handle, Literal, MathFunction, Module, Override,
     RelationalFunction, Scalar, Span, TypeInner, UnaryOperator, front::Typifier,
@@ -15,8 +16,6 @@ use super::{
     value::{Value, converted, integer, length, number, recast, written},
 };
 
-/// The largest finite `f16`.
-const LARGEST_F16: f64 = 65_504.0;
 /// Bits of WGSL's integers.
 const BITS: i64 = 32;
 
@@ -396,6 +395,16 @@ fn refuse<T>(message: String, advice: &'static str) -> Result<T, Refusal> {
 /// The value of `fun`; refused where its constant arguments cannot be.
 fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
     let name = format!("`{}`", wgsl_name(fun));
+    let untyped = |value: &Value| {
+        let first = value.component(0);
+        matches!(first, Literal::AbstractInt(_) | Literal::AbstractFloat(_))
+    };
+    if args.iter().flatten().any(untyped) {
+        return refuse(
+            format!("naga does not evaluate {name} of constants without a type"),
+            "give an argument a type, as in `1.0f`",
+        );
+    }
     match (fun, args) {
         (MathFunction::Clamp, [_, Some(low), Some(high), _]) => {
             for (low, high) in pairs(low, high) {
@@ -413,10 +422,18 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
         }
         (MathFunction::SmoothStep, [Some(low), Some(high), _, _]) => {
             for (low, high) in pairs(low, high) {
-                if number(low) == number(high) {
+                if number(low).is_some() && number(low) == number(high) {
                     return refuse(
                         format!("{name} from {} to the same", written(low)),
                         "let its bounds differ; `step` has one alone",
+                    );
+                }
+                if let (Literal::F32(low), Literal::F32(high)) = (low, high)
+                    && !(high - low).is_finite()
+                {
+                    return refuse(
+                        format!("{name} from {low:?} to {high:?}, which is too far"),
+                        "let its bounds lie closer together",
                     );
                 }
             }
@@ -445,7 +462,7 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
         }
         (MathFunction::QuantizeToF16 | MathFunction::Pack2x16float, [Some(value), ..]) => {
             for part in value.components() {
-                if number(*part).is_some_and(|value| value.abs() > LARGEST_F16) {
+                if number(*part).is_some_and(|value| value.abs() > f64::from(f16::MAX)) {
                     return refuse(
                         format!("{name} of {}, which no `f16` can hold", written(*part)),
                         "an `f16` holds values from -65504 to 65504",
@@ -509,7 +526,11 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
             let difference = a.zip(*b, |a, b| binary_of_scalars(BinaryOperator::Subtract, a, b))?;
             difference.and_then(length_of)
         }
-        (MathFunction::Normalize, [value]) => match length_of(*value).map(|l| l.component(0)) {
+        (MathFunction::Normalize, [value]) => match length_of(*value)
+            .map(|length| finite(length, || format!("{name} of constants")))
+            .transpose()?
+            .map(|length| length.component(0))
+        {
             Some(Literal::F32(0.0)) => {
                 return refuse(
                     format!("{name} of zeros"),
@@ -520,6 +541,27 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
                 binary_of_scalars(BinaryOperator::Divide, part, length)
             })?,
             None => None,
+        },
+        (MathFunction::QuantizeToF16, [value]) => value.map(|part| match part {
+            Literal::F32(value) => Some(Literal::F32(f16::from_f32(value).to_f32())),
+            _ => None,
+        }),
+        (MathFunction::Pack2x16float, [value]) => match [value.component(0), value.component(1)] {
+            [Literal::F32(low), Literal::F32(high)] => {
+                let [low, high] = [low, high].map(|part| f16::from_f32(part).to_bits());
+                let packed = u32::from(high) << 16 | u32::from(low);
+                Some(Value::scalar(Literal::U32(packed)))
+            }
+            _ => None,
+        },
+        (MathFunction::Unpack2x16float, [value]) => match value.component(0) {
+            Literal::U32(bits) => {
+                let halves = [bits as u16, (bits >> 16) as u16];
+                Value::from_components(
+                    &halves.map(|bits| Literal::F32(f16::from_bits(bits).to_f32())),
+                )
+            }
+            _ => None,
         },
         (MathFunction::InsertBits, [value, new, offset, count]) => {
             let (offset, count) = (offset.component(0), count.component(0));
@@ -564,7 +606,7 @@ fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
                 }
             }
             value.map(|part| match part {
-                Literal::F32(value) => Some(Literal::F32(function(value))),
+                Literal::F32(value) => Some(Literal::F32(function(value.into()) as f32)),
                 _ => None,
             })
         }
@@ -585,12 +627,17 @@ fn of_three(fun: MathFunction, a: f32, b: f32, c: f32) -> f32 {
     match fun {
         MathFunction::Mix => a * (1.0 - c) + b * c,
         MathFunction::Fma => a * b + c,
-        _ if (b - a).is_finite() => {
-            let t = ((c - a) / (b - a)).clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
+        _ => {
+            let (way, whole) = (c - a, b - a);
+            let part = way / whole;
+            // What lies on the way must be a number as well.
+            if [way, whole, part].iter().all(|number| number.is_finite()) {
+                let part = part.clamp(0.0, 1.0);
+                part * part * (3.0 - 2.0 * part)
+            } else {
+                f32::INFINITY
+            }
         }
-        // The way there is no number.
-        _ => b - a,
     }
 }
 
@@ -680,36 +727,36 @@ impl Domain {
 }
 
 /// Functions of one number, which naga evaluates itself but of an override.
-fn scalar_function(fun: MathFunction) -> Option<(fn(f32) -> f32, Domain)> {
+fn scalar_function(fun: MathFunction) -> Option<(fn(f64) -> f64, Domain)> {
     use MathFunction as F;
     Some(match fun {
-        F::Abs => (f32::abs, Domain::Everywhere),
-        F::Ceil => (f32::ceil, Domain::Everywhere),
-        F::Floor => (f32::floor, Domain::Everywhere),
-        F::Trunc => (f32::trunc, Domain::Everywhere),
+        F::Abs => (f64::abs, Domain::Everywhere),
+        F::Ceil => (f64::ceil, Domain::Everywhere),
+        F::Floor => (f64::floor, Domain::Everywhere),
+        F::Trunc => (f64::trunc, Domain::Everywhere),
         F::Fract => (|x| x - x.floor(), Domain::Everywhere),
-        F::Round => (f32::round_ties_even, Domain::Everywhere),
+        F::Round => (f64::round_ties_even, Domain::Everywhere),
         F::Saturate => (|x| x.clamp(0.0, 1.0), Domain::Everywhere),
-        F::Sin => (f32::sin, Domain::Everywhere),
-        F::Cos => (f32::cos, Domain::Everywhere),
-        F::Tan => (f32::tan, Domain::Everywhere),
-        F::Sinh => (f32::sinh, Domain::Everywhere),
-        F::Cosh => (f32::cosh, Domain::Everywhere),
-        F::Tanh => (f32::tanh, Domain::Everywhere),
-        F::Atan => (f32::atan, Domain::Everywhere),
-        F::Asinh => (f32::asinh, Domain::Everywhere),
-        F::Exp => (f32::exp, Domain::Everywhere),
-        F::Exp2 => (f32::exp2, Domain::Everywhere),
-        F::Radians => (f32::to_radians, Domain::Everywhere),
-        F::Degrees => (f32::to_degrees, Domain::Everywhere),
-        F::Log => (f32::ln, Domain::Positive),
-        F::Log2 => (f32::log2, Domain::Positive),
+        F::Sin => (f64::sin, Domain::Everywhere),
+        F::Cos => (f64::cos, Domain::Everywhere),
+        F::Tan => (f64::tan, Domain::Everywhere),
+        F::Sinh => (f64::sinh, Domain::Everywhere),
+        F::Cosh => (f64::cosh, Domain::Everywhere),
+        F::Tanh => (f64::tanh, Domain::Everywhere),
+        F::Atan => (f64::atan, Domain::Everywhere),
+        F::Asinh => (f64::asinh, Domain::Everywhere),
+        F::Exp => (f64::exp, Domain::Everywhere),
+        F::Exp2 => (f64::exp2, Domain::Everywhere),
+        F::Radians => (f64::to_radians, Domain::Everywhere),
+        F::Degrees => (f64::to_degrees, Domain::Everywhere),
+        F::Log => (f64::ln, Domain::Positive),
+        F::Log2 => (f64::log2, Domain::Positive),
         F::InverseSqrt => (|x| 1.0 / x.sqrt(), Domain::Positive),
-        F::Sqrt => (f32::sqrt, Domain::NotNegative),
-        F::Acos => (f32::acos, Domain::Unit),
-        F::Asin => (f32::asin, Domain::Unit),
-        F::Atanh => (f32::atanh, Domain::OpenUnit),
-        F::Acosh => (f32::acosh, Domain::FromOne),
+        F::Sqrt => (f64::sqrt, Domain::NotNegative),
+        F::Acos => (f64::acos, Domain::Unit),
+        F::Asin => (f64::asin, Domain::Unit),
+        F::Atanh => (f64::atanh, Domain::OpenUnit),
+        F::Acosh => (f64::acosh, Domain::FromOne),
         _ => return None,
     })
 }

@@ -110,12 +110,15 @@ impl Flow<'_> {
                 continuing,
                 break_if,
             } => {
-                let both = self.block(body)? | self.block(continuing)?;
+                let turn = self.block(body)?;
+                let end = self.block(continuing)?;
+                // A turn that never ends by itself never comes to the loop's own end.
+                let ends = turn.next || turn.continues;
                 let behavior = Behavior {
-                    breaks: both.breaks | break_if.is_some(),
+                    breaks: turn.breaks || (ends && break_if.is_some()),
                     next: false,
                     continues: false,
-                    returns: both.returns,
+                    returns: turn.returns || (ends && end.returns),
                 }
                 .after_breaks();
                 if !behavior.next && !behavior.returns {

@@ -1,5 +1,5 @@
 // Dawn: refuses it: invalid aliased pointer argument
-// Umbrage: can't be passed into functions
+// Umbrage: uses by name
 var<workgroup> w: atomic<i32>;
 fn f(a: ptr<workgroup, atomic<i32>>) {
     atomicAdd(a, 1);

@@ -1,3 +1,4 @@
+// Dawn: refuses it: value 2147483648 cannot be represented as 'i32'
 // Umbrage: no `i32`
 @compute @workgroup_size(1) fn cs() {
     var n = 5u;

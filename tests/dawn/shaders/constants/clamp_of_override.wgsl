@@ -1,3 +1,4 @@
+// Dawn: refuses it: An error occurred while running Null writer
 // Umbrage: `acos` of 3.0
 override o = 100.0;
 @compute @workgroup_size(1) fn cs() {

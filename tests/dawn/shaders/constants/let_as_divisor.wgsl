@@ -1,3 +1,4 @@
+// Dawn: takes it
 // Umbrage: ivision by zero
 @compute @workgroup_size(1) fn cs() {
     var n = 5u;

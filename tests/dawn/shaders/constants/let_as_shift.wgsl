@@ -1,3 +1,4 @@
+// Dawn: takes it
 // Umbrage: hift amount
 @compute @workgroup_size(1) fn cs() {
     var n = 5u;

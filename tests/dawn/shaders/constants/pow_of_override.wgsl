@@ -1,3 +1,4 @@
+// Dawn: refuses it: An error occurred while running Null writer
 // Umbrage: `pow` of
 override o = -2.0;
 @compute @workgroup_size(1) fn cs() {
