@@ -8,6 +8,7 @@ mod aliases;
 mod constants;
 mod flow;
 mod limits;
+mod math;
 mod stages;
 mod value;
 mod varyings;
