@@ -82,6 +82,7 @@ mod copy;
 mod error;
 mod features;
 mod fetches;
+mod instances;
 mod interface;
 mod key;
 mod library;

@@ -12,7 +12,9 @@ use naga::{
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
-    Cause, Fault, Library, bindings, interface,
+    Cause, Fault, Library, bindings,
+    instances::{self, Call, Origins},
+    interface,
     library::Request,
     names::Item,
     overrides,
@@ -116,6 +118,23 @@ impl Targets<'_> {
         Ok(target)
     }
 
+    /// The calls that were followed, by modules and then as their units number what they call.
+    fn calls(&self) -> Result<Vec<Call>, Fault> {
+        let mut calls = Vec::new();
+        for (&(module, called), &target) in &self.known {
+            let unit = self.unit(module)?;
+            let item = &unit.functions[&called];
+            calls.push(Call {
+                module,
+                name: unit.module.functions[called].name.clone().unwrap_or_default(),
+                by_interface: item.module != target.0,
+                target,
+            });
+        }
+        calls.sort_by(|a, b| (a.module, &a.name).cmp(&(b.module, &b.name)));
+        Ok(calls)
+    }
+
     /// The module that has `item`'s body: of an interface's function, the one that is bound.
     fn implementation(&mut self, caller: usize, item: &Item) -> Result<usize, Fault> {
         let source = self.library.source(item.module);
@@ -203,6 +222,7 @@ impl Linker<'_> {
                 }
             }
         }
+        let functions = places(&self.functions, &self.out.functions);
         let globals = places(&self.globals, &self.out.global_variables);
         let overrides = places(&self.overrides, &self.out.overrides);
         if self.dropped && self.roots == Roots::EntryPoints {
@@ -211,8 +231,23 @@ impl Linker<'_> {
         }
         let library = self.targets.library;
         let overrides = owners(overrides, &self.out.overrides);
-        let owners = owners(globals, &self.out.global_variables);
         overrides::check(library, root, &self.out, &overrides)?;
+        let functions = owners(functions, &self.out.functions);
+        let owners = owners(globals, &self.out.global_variables);
+        let mut names = FxHashMap::default();
+        for id in functions.values() {
+            let unit = self.targets.unit(id.0)?;
+            names.insert(*id, unit.functions[&id.1].name.clone());
+        }
+        instances::check(&Origins {
+            library,
+            root,
+            module: &self.out,
+            functions: &functions,
+            names: &names,
+            variables: &owners,
+            calls: &self.targets.calls()?,
+        })?;
         bindings::allocate(library, &mut self.out, &owners)?;
         Ok(Linked {
             module: self.out,
@@ -462,7 +497,10 @@ impl Linker<'_> {
 }
 
 /// The place of each item's copy, which is how it is known after compaction has renumbered `copies`.
-fn places<T>(items: &FxHashMap<Item, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, Item> {
+fn places<K: Clone, T>(
+    items: &FxHashMap<K, Handle<T>>,
+    copies: &Arena<T>,
+) -> FxHashMap<Place, K> {
     let items = items.iter();
     items
         .filter_map(|(item, handle)| Some((copies.get_span(*handle).to_range()?, item.clone())))
@@ -470,7 +508,7 @@ fn places<T>(items: &FxHashMap<Item, Handle<T>>, copies: &Arena<T>) -> FxHashMap
 }
 
 /// Which item each of `copies` came from.
-fn owners<T>(mut places: FxHashMap<Place, Item>, copies: &Arena<T>) -> FxHashMap<Handle<T>, Item> {
+fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap<Handle<T>, K> {
     let copies = copies.iter().map(|(handle, _)| (handle, copies.get_span(handle)));
     copies
         .filter_map(|(handle, span)| Some((handle, places.remove(&span.to_range()?)?)))

@@ -46,6 +46,11 @@ impl Permutation {
         let owner = |handle| linked.owners.get(&handle).map(declared);
         let reflection = reflect(&linked.module, &info, owner, settable);
         target.check(library, &reflection)?;
+        if wgsl::has_predeclared_hosts(&linked.module)
+            && let Err(error @ wgsl::Error::Host(_)) = wgsl::write(&linked.module, &info)
+        {
+            return Err(host_fault(library, root, &reflection, &error));
+        }
         Ok(Self {
             key,
             module: linked.module,
@@ -110,6 +115,24 @@ impl Permutation {
         .key(&self.key)
         .into()
     }
+}
+
+/// A host's name that cannot be kept in WGSL, where it is declared.
+fn host_fault(
+    library: &Library,
+    root: usize,
+    reflection: &Reflection,
+    error: &wgsl::Error,
+) -> Fault {
+    let mut fault = Fault::new(Cause::Validation, error.to_string())
+        .note("rename it: in one shader a name has one meaning");
+    if let wgsl::Error::Host(name) = error {
+        let mut overrides = reflection.overrides.iter();
+        let declared = overrides.find(|item| item.name == *name);
+        let module = declared.and_then(|item| library.module(&item.module));
+        fault = fault.at(library.source(module.unwrap_or(root)).find(name));
+    }
+    fault
 }
 
 /// Validates against what `target` offers.
