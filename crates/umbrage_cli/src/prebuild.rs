@@ -131,7 +131,10 @@ fn tell_lost<'a>(permutations: impl Iterator<Item = &'a Built>) {
         }
     }
     if fixed > 0 {
-        let names: Vec<_> = overrides.into_iter().map(|name| format!("`{name}`")).collect();
+        let names: Vec<_> = overrides
+            .into_iter()
+            .map(|name| format!("`{name}`"))
+            .collect();
         eprintln!(
             "{} can be set in the WGSL alone: the SPIR-V of {fixed} permutations has overrides at their defaults, as \
              naga writes no specialisation constants",
@@ -180,7 +183,11 @@ impl Built {
         reflection.push('\n');
         // Named by content: equal permutations of several manifests are one, and nothing else is.
         let mut hasher = blake3::Hasher::new();
-        for part in [wgsl.as_bytes(), spv.as_deref().unwrap_or_default(), reflection.as_bytes()] {
+        for part in [
+            wgsl.as_bytes(),
+            spv.as_deref().unwrap_or_default(),
+            reflection.as_bytes(),
+        ] {
             hasher
                 .update(&(part.len() as u64).to_le_bytes())
                 .update(part);

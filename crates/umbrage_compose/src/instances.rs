@@ -80,7 +80,9 @@ fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     let library = origins.library;
     let declared = |module: usize| -> Result<BTreeSet<String>, Fault> {
         let declarations = &library.syntax(module)?.tree.global_declarations;
-        let functions = declarations.iter().filter(|node| matches!(node.node(), GlobalDeclaration::Function(_)));
+        let functions = declarations
+            .iter()
+            .filter(|node| matches!(node.node(), GlobalDeclaration::Function(_)));
         Ok(functions.filter_map(|node| names::declared(node)).collect())
     };
     let mut found = Implementations::new();
@@ -214,7 +216,10 @@ impl<'a> Graph<'a> {
         (a, parts_of_a): (&usize, &BTreeSet<Handle<Function>>),
         (b, parts_of_b): (&usize, &BTreeSet<Handle<Function>>),
     ) -> Result<(), Fault> {
-        let (in_a, in_b) = (self.reached(parts_of_a, false), self.reached(parts_of_b, false));
+        let (in_a, in_b) = (
+            self.reached(parts_of_a, false),
+            self.reached(parts_of_b, false),
+        );
         if !self.is_called_outside(*a, parts_of_a, &in_a, &in_b)
             || !self.is_called_outside(*b, parts_of_b, &in_b, &in_a)
         {
@@ -231,7 +236,10 @@ impl<'a> Graph<'a> {
         let path = |module: usize| &library.source(module).path;
         let calls = || {
             let contract = format!("implements `{}`", path(interface));
-            [self.entry(*a, parts_of_a, &contract), self.entry(*b, parts_of_b, "so does this")]
+            [
+                self.entry(*a, parts_of_a, &contract),
+                self.entry(*b, parts_of_b, "so does this"),
+            ]
         };
         if let Some(shared) = of_a.intersection(&of_b).next()
             && owns(parts_of_a)
@@ -296,9 +304,7 @@ impl<'a> Graph<'a> {
     fn is_by_interface(&self, module: usize, callee: Handle<Function>) -> bool {
         let target = self.origins.functions.get(&callee);
         let mut calls = self.origins.calls.iter();
-        calls.any(|call| {
-            call.by_interface && call.module == module && Some(&call.target) == target
-        })
+        calls.any(|call| call.by_interface && call.module == module && Some(&call.target) == target)
     }
 
     fn resources(&self, of: impl Fn(usize) -> bool) -> Resources {
@@ -319,9 +325,7 @@ impl<'a> Graph<'a> {
         let mut nodes = self.nodes.iter().enumerate();
         module == self.origins.root
             || nodes.any(|(index, node)| {
-                !own.contains(&index)
-                    && !other.contains(&index)
-                    && !node.callees.is_disjoint(parts)
+                !own.contains(&index) && !other.contains(&index) && !node.callees.is_disjoint(parts)
             })
     }
 
@@ -365,7 +369,11 @@ impl<'a> Graph<'a> {
         let call = calls.find(|call| call.module != module && targets.contains(&&call.target));
         match call {
             Some(call) => self.call(call, label),
-            None => self.origins.library.source(module).place_labelled(0..0, label),
+            None => self
+                .origins
+                .library
+                .source(module)
+                .place_labelled(0..0, label),
         }
     }
 

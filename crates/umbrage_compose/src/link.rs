@@ -126,7 +126,10 @@ impl Targets<'_> {
             let item = &unit.functions[&called];
             calls.push(Call {
                 module,
-                name: unit.module.functions[called].name.clone().unwrap_or_default(),
+                name: unit.module.functions[called]
+                    .name
+                    .clone()
+                    .unwrap_or_default(),
                 by_interface: item.module != target.0,
                 target,
             });
@@ -179,6 +182,7 @@ impl Targets<'_> {
 pub(crate) struct Maps {
     pub(crate) types: Vec<Option<Handle<Type>>>,
     pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
+    pub(crate) overrides: FxHashMap<Handle<Override>, Handle<Override>>,
     pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
     pub(crate) filters: FxHashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
@@ -497,10 +501,7 @@ impl Linker<'_> {
 }
 
 /// The place of each item's copy, which is how it is known after compaction has renumbered `copies`.
-fn places<K: Clone, T>(
-    items: &FxHashMap<K, Handle<T>>,
-    copies: &Arena<T>,
-) -> FxHashMap<Place, K> {
+fn places<K: Clone, T>(items: &FxHashMap<K, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, K> {
     let items = items.iter();
     items
         .filter_map(|(item, handle)| Some((copies.get_span(*handle).to_range()?, item.clone())))
@@ -509,7 +510,9 @@ fn places<K: Clone, T>(
 
 /// Which item each of `copies` came from.
 fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap<Handle<T>, K> {
-    let copies = copies.iter().map(|(handle, _)| (handle, copies.get_span(handle)));
+    let copies = copies
+        .iter()
+        .map(|(handle, _)| (handle, copies.get_span(handle)));
     copies
         .filter_map(|(handle, span)| Some((handle, places.remove(&span.to_range()?)?)))
         .collect()

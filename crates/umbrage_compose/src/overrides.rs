@@ -1,11 +1,17 @@
 //! Overrides: what a host sets by its name or number.
 
-use std::collections::{BTreeMap, btree_map::Entry};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, btree_map::Entry},
+};
 
 use naga::{
     EntryPoint, Expression, Function, Handle, Literal, LocalVariable, Module, Scalar, ScalarKind,
     ShaderStage, Span, Statement, TypeInner,
-    back::{PipelineConstants, pipeline_constants::process_overrides},
+    back::{
+        PipelineConstants,
+        pipeline_constants::{PipelineConstantError, process_overrides},
+    },
     valid::ModuleInfo,
 };
 use rustc_hash::FxHashMap;
@@ -81,7 +87,10 @@ pub(crate) fn check(
             continue;
         };
         let (earlier, called) = match item.id {
-            Some(id) => (ids.entry(id).or_insert(Known::Override(owner)), format!("`@id({id})`")),
+            Some(id) => (
+                ids.entry(id).or_insert(Known::Override(owner)),
+                format!("`@id({id})`"),
+            ),
             None => {
                 let known = match names.entry(&owner.name) {
                     Entry::Vacant(entry) => entry.insert(Known::Override(owner)),
@@ -147,6 +156,28 @@ fn clash(library: &Library, called: &str, earlier: &Known<'_>, later: &Item) -> 
     }
 }
 
+/// `module` with all overrides at their defaults.
+pub(crate) fn resolved<'a>(
+    module: &'a Module,
+    info: &'a ModuleInfo,
+) -> Result<(Cow<'a, Module>, Cow<'a, ModuleInfo>), PipelineConstantError> {
+    let constants = PipelineConstants::default();
+    let is_nameless = |item: &naga::Override| item.name.is_none() && item.id.is_none();
+    if !module.overrides.iter().any(|(_, item)| is_nameless(item)) {
+        return process_overrides(module, info, None, &constants);
+    }
+    // Naga passes over what has no name, and then takes one override for another.
+    let mut named = module.clone();
+    for (_, item) in named.overrides.iter_mut() {
+        item.name.get_or_insert_with(|| "length".to_owned());
+    }
+    let (module, info) = process_overrides(&named, info, None, &constants)?;
+    Ok((
+        Cow::Owned(module.into_owned()),
+        Cow::Owned(info.into_owned()),
+    ))
+}
+
 /// What a host may set in a valid `module`, by names.
 pub(crate) fn reflect(
     module: &Module,
@@ -198,7 +229,9 @@ fn is_derived(module: &Module, init: Handle<Expression>) -> bool {
         ..Function::default()
     };
     let value = Some(init);
-    function.body.push(Statement::Return { value }, Span::UNDEFINED);
+    function
+        .body
+        .push(Statement::Return { value }, Span::UNDEFINED);
     let mut alone = without_code(module);
     alone.entry_points.push(entry_point(function, None));
     naga::compact::compact(&mut alone, naga::compact::KeepUnused::No);
@@ -221,8 +254,7 @@ fn default(module: &Module, info: &ModuleInfo, handle: Handle<naga::Override>) -
     function.body.push(store, Span::UNDEFINED);
     let mut alone = without_code(module);
     alone.entry_points.push(entry_point(function, None));
-    let constants = PipelineConstants::default();
-    let (resolved, _) = process_overrides(&alone, info, None, &constants).ok()?;
+    let (resolved, _) = resolved(&alone, info).ok()?;
     // What it is worked out from is left as well, and comes before it.
     let (_, last) = resolved.overrides.iter().last()?;
     match resolved.global_expressions[last.init?] {
@@ -268,8 +300,9 @@ pub(crate) fn workgroup_size(module: &Module, info: &ModuleInfo, entry: &EntryPo
             .entry_points
             .push(entry_point(Function::default(), Some(one)));
         let constants = PipelineConstants::default();
-        *size = process_overrides(&alone, info, None, &constants)
-            .map_or(0, |(resolved, _)| resolved.entry_points[0].workgroup_size[axis]);
+        *size = process_overrides(&alone, info, None, &constants).map_or(0, |(resolved, _)| {
+            resolved.entry_points[0].workgroup_size[axis]
+        });
     }
     size
 }

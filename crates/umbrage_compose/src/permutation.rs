@@ -2,10 +2,7 @@
 
 use naga::{
     Module, Statement, WithSpan,
-    back::{
-        PipelineConstants,
-        pipeline_constants::{PipelineConstantError, process_overrides},
-    },
+    back::pipeline_constants::PipelineConstantError,
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
@@ -38,8 +35,7 @@ impl Permutation {
     ) -> Result<Self, Fault> {
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
-        let declared =
-            |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
+        let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
         let settable = overrides::reflect(&linked.module, &info, |handle| {
             linked.overrides.get(&handle).map(declared)
         });
@@ -80,8 +76,7 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let constants = PipelineConstants::default();
-        let (module, info) = process_overrides(&self.module, &self.info, None, &constants)
+        let (module, info) = overrides::resolved(&self.module, &self.info)
             .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))

@@ -66,8 +66,8 @@ pub(crate) fn write(module: &Module, info: &ModuleInfo) -> Result<String, Error>
         Cow::Borrowed(info)
     };
     marked.put_numbers_for_lengths();
-    let written = write_string(&marked.module, &info, WriterFlags::empty())
-        .map_err(|error| naga(&error))?;
+    let written =
+        write_string(&marked.module, &info, WriterFlags::empty()).map_err(|error| naga(&error))?;
     let text = Text::read(&written, &mut marked);
     let names = naming::choose(&marked, &text).map_err(Error::Host)?;
     let printer = Printer {

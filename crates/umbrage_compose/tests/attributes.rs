@@ -52,7 +52,10 @@ fn theirs(files: &[(&str, &str)], features: &[&str], kept: &str) -> String {
         resolver.add_module(ModulePath::from_path(path), Cow::Borrowed(*text));
     }
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
-    compiler.use_imports(true).use_condcomp(true).use_stripping(true);
+    compiler
+        .use_imports(true)
+        .use_condcomp(true)
+        .use_stripping(true);
     compiler.set_mangler(ManglerKind::Escape);
     compiler.keep_declarations(vec![kept.to_owned()]);
     compiler.set_features(features.iter().map(|name| (name, true)));
@@ -65,7 +68,8 @@ const K: &str = "const PAD = 32;\nconst N = 2u;\nconst M = N * 8;\nconst LOC = 3
 /// Structs of other modules lie as they would in one.
 #[test]
 fn layouts() {
-    let flat_k = "const PAD = 32;\nconst N = 2u;\nconst M = N * 8;\nconst LOC = 3;\nconst STEP = 16;\n";
+    let flat_k =
+        "const PAD = 32;\nconst N = 2u;\nconst M = N * 8;\nconst LOC = 3;\nconst STEP = 16;\n";
     let l = "import package::k::{PAD, N as COUNT};\nimport package::k;\n\
         struct L { a: f32, @align(PAD) c: vec3f, @size(COUNT * 16) d: f32, @align(package::k::M) @size(package::k::M * 2 + 4) e: u32, f: array<vec4f, COUNT * 2>, @align(package::k::STEP) g: Inner }\n\
         struct Inner { @size(PAD) a: f32, b: array<f32, package::k::M> }\n\
@@ -83,15 +87,29 @@ fn layouts() {
     ];
     let again = "import package::l::{L, make};\nalias Again = L;\nfn through() -> Again { return make(); }\n";
     for main in mains {
-        let files = [("main.wesl", main), ("k.wesl", K), ("l.wesl", l), ("again.wesl", again)];
+        let files = [
+            ("main.wesl", main),
+            ("k.wesl", K),
+            ("l.wesl", l),
+            ("again.wesl", again),
+        ];
         let linked = link(&files, &[]);
         assert_eq!(structs(&linked.module), structs(&flat), "{main}");
         let text = linked.wgsl().unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(structs(&parse(&text)), structs(&flat), "{text}");
         // Version 0.4 of the `wesl` crate cannot import a module.
         let l = l.replace("import package::k;\n", "");
-        let files = [("main.wesl", main), ("k.wesl", K), ("l.wesl", &l), ("again.wesl", again)];
-        assert_eq!(structs(&parse(&theirs(&files, &[], "probe"))), structs(&flat), "{main}");
+        let files = [
+            ("main.wesl", main),
+            ("k.wesl", K),
+            ("l.wesl", &l),
+            ("again.wesl", again),
+        ];
+        assert_eq!(
+            structs(&parse(&theirs(&files, &[], "probe"))),
+            structs(&flat),
+            "{main}"
+        );
     }
     // With what a feature gives, and what it takes away.
     let l = "import package::k::STEP;\nstruct L { a: f32, @if(WIDE) @align(STEP) b: f32, @if(!WIDE) @size(STEP) b: f32, @if(FAR) @size(package::k::FAR) c: f32, d: f32 }\n";
@@ -102,36 +120,41 @@ fn layouts() {
     for (features, flat) in [(&["WIDE"][..], wide), (&[], narrow)] {
         let linked = link(&files, features);
         assert_eq!(structs(&linked.module), structs(&parse(flat)));
-        assert_eq!(structs(&parse(&theirs(&files, features, "probe"))), structs(&parse(flat)));
+        assert_eq!(
+            structs(&parse(&theirs(&files, features, "probe"))),
+            structs(&parse(flat))
+        );
     }
 }
 
 /// Places between stages, sizes of workgroups, numbers of overrides and bindings.
 #[test]
 fn places_and_numbers() {
-    let io = "import package::k::{LOC, N};\n\
+    let io = "import package::k::{LOC, N};\nenable dual_source_blending;\n\
         struct Varyings { @builtin(position) clip: vec4f, @location(LOC) @interpolate(flat) a: u32, @location(package::k::LOC + 1) b: vec2f }\n\
         struct Blend { @location(package::k::N - 2) @blend_src(N - 2) first: vec4f, @location(0) @blend_src(N - 1) second: vec4f }\n\
         @id(N * 2) override SCALE: f32 = 1.0;\n@id(package::k::M) override TWICE: f32 = SCALE * 2.0;\n\
         @group(N) @binding(LOC + 1) var<uniform> tint: vec4f;\n\
         fn look() -> vec4f { return tint * TWICE; }\n";
-    let main = "enable dual_source_blending;\nimport package::io::{Varyings, Blend, look};\nimport package::k::{N, LOC as PLACE};\n\
+    let main = "import package::io::{Varyings, Blend, look};\nimport package::k::{N, LOC as PLACE};\nenable dual_source_blending;\n\
         @vertex fn vs(@location(PLACE * 2) at: vec4f, @location(package::k::N) c: vec4f) -> Varyings { return Varyings(at, 1u, c.xy); }\n\
         @fragment fn fs(v: Varyings) -> Blend { return Blend(look(), vec4f(v.b, 0.0, 1.0)); }\n\
         @fragment fn one(@location(PLACE) @interpolate(flat) a: u32) -> @location(N - 1) vec4f { return vec4f(f32(a)); }\n\
         @compute @workgroup_size(package::k::M, N, PLACE - N) fn cs() {}\n";
-    // The directive stands first, imports before it in this version of WESL's grammar.
-    let main = main.replacen("enable dual_source_blending;\n", "", 1);
-    let (imports, rest) = main.split_once("@vertex").expect("a stage");
-    let main = format!("{imports}enable dual_source_blending;\n@vertex{rest}");
-    let linked = link(&[("main.wesl", &main), ("k.wesl", K), ("io.wesl", io)], &[]);
+    let linked = link(&[("main.wesl", main), ("k.wesl", K), ("io.wesl", io)], &[]);
     let module = &linked.module;
     let entry = |name: &str| {
         let mut entries = module.entry_points.iter();
-        entries.find(|e| e.name == name).unwrap_or_else(|| panic!("no {name}"))
+        entries
+            .find(|e| e.name == name)
+            .unwrap_or_else(|| panic!("no {name}"))
     };
     let location = |binding: &Option<Binding>| match binding {
-        Some(Binding::Location { location, blend_src, .. }) => (*location, *blend_src),
+        Some(Binding::Location {
+            location,
+            blend_src,
+            ..
+        }) => (*location, *blend_src),
         other => panic!("no location: {other:?}"),
     };
     let arguments = &entry("vs").function.arguments;
@@ -163,10 +186,27 @@ fn places_and_numbers() {
 #[test]
 fn a_fault_in_an_attribute() {
     let dir = tempfile::tempdir().expect("a folder");
-    fs::write(dir.path().join("main.wesl"), "import package::l::L;\nvar<private> l: L;\n").expect("a file");
-    fs::write(dir.path().join("l.wesl"), "const PAD = 32;\nstruct L { @align(PADD) c: vec3f }\n").expect("a file");
-    let error = link_file(&dir.path().join("main.wesl"), None, &[], &[], Target::webgpu());
+    fs::write(
+        dir.path().join("main.wesl"),
+        "import package::l::L;\nvar<private> l: L;\n",
+    )
+    .expect("a file");
+    fs::write(
+        dir.path().join("l.wesl"),
+        "const PAD = 32;\nstruct L { @align(PADD) c: vec3f }\n",
+    )
+    .expect("a file");
+    let error = link_file(
+        &dir.path().join("main.wesl"),
+        None,
+        &[],
+        &[],
+        Target::webgpu(),
+    );
     let error = error.expect_err("no such constant");
     let place = error.faults()[0].location().expect("a place");
-    assert!(place.file.ends_with("l.wesl") && place.line == 2 && place.column == 19, "{error}");
+    assert!(
+        place.file.ends_with("l.wesl") && place.line == 2 && place.column == 19,
+        "{error}"
+    );
 }

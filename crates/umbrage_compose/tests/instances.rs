@@ -47,7 +47,10 @@ fn compose(files: &[(&str, &str)], choices: &[(&str, &str)]) -> Result<Permutati
     let key = library.key([("pass", "main")].iter().chain(choices).copied())?;
     let composed = Composer::new(library, Target::webgpu()).compose(&key)?;
     drop(composed.permutation.wgsl()?);
-    Ok(std::sync::Arc::into_inner(composed.permutation).unwrap_or_else(|| panic!("kept elsewhere")))
+    Ok(
+        std::sync::Arc::into_inner(composed.permutation)
+            .unwrap_or_else(|| panic!("kept elsewhere")),
+    )
 }
 
 /// Composes a pass that multiplies what `near` and `far` give.
@@ -79,7 +82,11 @@ fn refused(result: Result<Permutation, Error>, message: &str, places: &[(&str, u
 
 #[test]
 fn two_methods_over_one_map() {
-    let files = [("maps.wesl", MAPS), ("methods/a.wesl", BY_MAPS), ("methods/b.wesl", BY_MAPS)];
+    let files = [
+        ("maps.wesl", MAPS),
+        ("methods/a.wesl", BY_MAPS),
+        ("methods/b.wesl", BY_MAPS),
+    ];
     refused(
         two(AB, &files),
         "`demo::methods::a` and `demo::methods::b` would share one `shadow_map`",
@@ -97,7 +104,10 @@ fn two_methods_over_one_map() {
     // A method of two, neither of which is the other's part.
     let both = "import package::methods::b::calc_shadow as b;\nimport package::methods::c::calc_shadow as c;\nfn calc_shadow(position_ws: vec3f) -> f32 { return b(position_ws) * c(position_ws); }\n";
     let all = [
-        ("main.wesl", "import package::interface::shadow::calc_shadow;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(calc_shadow(vec3f())); }\n"),
+        (
+            "main.wesl",
+            "import package::interface::shadow::calc_shadow;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(calc_shadow(vec3f())); }\n",
+        ),
         ("maps.wesl", MAPS),
         ("methods/a.wesl", both),
         ("methods/b.wesl", BY_MAPS),
@@ -106,7 +116,11 @@ fn two_methods_over_one_map() {
     refused(
         compose(&all, &[("shadow", "a")]),
         "would share one `shadow_map`",
-        &[("methods/a.wesl", 1), ("methods/a.wesl", 2), ("maps.wesl", 1)],
+        &[
+            ("methods/a.wesl", 1),
+            ("methods/a.wesl", 2),
+            ("maps.wesl", 1),
+        ],
     );
 }
 
@@ -114,7 +128,12 @@ fn two_methods_over_one_map() {
 #[test]
 fn a_method_beside_the_bound_one() {
     let main = "import package::interface::shadow::calc_shadow;\nimport package::methods::b::calc_shadow as far;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(calc_shadow(vec3f()) * far(vec3f())); }\n";
-    let files = [("main.wesl", main), ("maps.wesl", MAPS), ("methods/a.wesl", BY_MAPS), ("methods/b.wesl", BY_MAPS)];
+    let files = [
+        ("main.wesl", main),
+        ("maps.wesl", MAPS),
+        ("methods/a.wesl", BY_MAPS),
+        ("methods/b.wesl", BY_MAPS),
+    ];
     refused(
         compose(&files, &[("shadow", "a")]),
         "would share one `shadow_map`",
@@ -126,9 +145,17 @@ fn a_method_beside_the_bound_one() {
 #[test]
 fn maps_of_one_name() {
     refused(
-        two(AB, &[("methods/a.wesl", OWN_MAP), ("methods/b.wesl", OWN_MAP)]),
+        two(
+            AB,
+            &[("methods/a.wesl", OWN_MAP), ("methods/b.wesl", OWN_MAP)],
+        ),
         "each have a `shadow_map` in group 1",
-        &[("main.wesl", 1), ("main.wesl", 2), ("methods/a.wesl", 1), ("methods/b.wesl", 1)],
+        &[
+            ("main.wesl", 1),
+            ("main.wesl", 2),
+            ("methods/a.wesl", 1),
+            ("methods/b.wesl", 1),
+        ],
     );
 }
 
@@ -152,7 +179,11 @@ fn two_methods_of_the_library() {
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
-            let name = path.strip_prefix(&root).expect("within").to_string_lossy().into_owned();
+            let name = path
+                .strip_prefix(&root)
+                .expect("within")
+                .to_string_lossy()
+                .into_owned();
             if path.is_dir() {
                 folders.push(path);
             } else if name.ends_with(".wesl") || name == "axes.ron" {
@@ -165,22 +196,31 @@ fn two_methods_of_the_library() {
             *text = text.replace("passes::shadow_term\"", "passes::two\"");
         }
     }
-    let pass = files.iter().find(|(name, _)| name == "passes/shadow_term.wesl");
+    let pass = files
+        .iter()
+        .find(|(name, _)| name == "passes/shadow_term.wesl");
     let pass = pass.expect("the pass").1.clone();
     let pass = pass.replace(
         "import package::interface::shadow::calc_shadow;",
         "import package::methods::basic::calc_shadow as near; import package::methods::pssm::calc_shadow as far;",
     );
-    let pass = pass.replace("calc_shadow(in.position_ws)", "near(in.position_ws) * far(in.position_ws)");
+    let pass = pass.replace(
+        "calc_shadow(in.position_ws)",
+        "near(in.position_ws) * far(in.position_ws)",
+    );
     assert!(pass.contains("far(in.position_ws)"), "{pass}");
     files.push(("passes/two.wesl".to_owned(), pass));
     let package = Package::from_sources("demo", "demo", files).unwrap_or_else(|e| panic!("{e}"));
     let library = Library::new([package]).unwrap_or_else(|e| panic!("{e}"));
     let key = library.key([("pass", "shadow_term"), ("method", "basic")]);
     let key = key.unwrap_or_else(|e| panic!("{e}"));
-    let error = Composer::new(library, Target::webgpu()).compose(&key).expect_err("they share");
+    let error = Composer::new(library, Target::webgpu())
+        .compose(&key)
+        .expect_err("they share");
     assert!(
-        error.to_string().contains("`demo::methods::basic` and `demo::methods::pssm` would share one `shadow_map`"),
+        error.to_string().contains(
+            "`demo::methods::basic` and `demo::methods::pssm` would share one `shadow_map`"
+        ),
         "{error}"
     );
 }
@@ -190,28 +230,54 @@ fn what_is_shared_openly() {
     // A method that is another's part, alone or with a helper of it.
     let over = "import package::methods::a::{calc_shadow as inner, helper};\nfn calc_shadow(position_ws: vec3f) -> f32 { return helper(inner(position_ws)); }\n";
     let main = "import package::interface::shadow::calc_shadow;\nimport package::methods::a::helper;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(helper(calc_shadow(vec3f()))); }\n";
-    let files = [("main.wesl", main), ("methods/a.wesl", OWN_MAP), ("methods/over.wesl", over)];
+    let files = [
+        ("main.wesl", main),
+        ("methods/a.wesl", OWN_MAP),
+        ("methods/over.wesl", over),
+    ];
     compose(&files, &[("shadow", "over")]).expect("a part");
     compose(&files, &[("shadow", "a")]).expect("a helper");
 
     // Methods with maps of their own names.
     let mask = "@group(1) @binding(0) var mask: texture_2d<f32>;\nfn calc_shadow(position_ws: vec3f) -> f32 { return textureLoad(mask, vec2i(), 0).x; }\n";
-    let linked = two(AB, &[("methods/a.wesl", OWN_MAP), ("methods/b.wesl", mask)]).expect("two maps");
+    let linked =
+        two(AB, &[("methods/a.wesl", OWN_MAP), ("methods/b.wesl", mask)]).expect("two maps");
     assert_eq!(linked.reflection.bindings.len(), 2);
 
     // What the pass reads as well.
     let frame = "@group(0) @binding(0) var<uniform> frame: vec4f;\n";
-    let method = |map: &str| format!("import package::frame::frame;\n@group(1) @binding(0) var {map}: texture_2d<f32>;\nfn calc_shadow(position_ws: vec3f) -> f32 {{ return frame.x * textureLoad({map}, vec2i(), 0).x; }}\n");
-    let main = format!("{AB}\nimport package::frame::frame;\n@fragment fn fs() -> @location(0) vec4f {{ return frame * near(vec3f()) * far(vec3f()); }}\n");
+    let method = |map: &str| {
+        format!(
+            "import package::frame::frame;\n@group(1) @binding(0) var {map}: texture_2d<f32>;\nfn calc_shadow(position_ws: vec3f) -> f32 {{ return frame.x * textureLoad({map}, vec2i(), 0).x; }}\n"
+        )
+    };
+    let main = format!(
+        "{AB}\nimport package::frame::frame;\n@fragment fn fs() -> @location(0) vec4f {{ return frame * near(vec3f()) * far(vec3f()); }}\n"
+    );
     let (a, b) = (method("map_a"), method("map_b"));
-    compose(&[("main.wesl", &main), ("frame.wesl", frame), ("methods/a.wesl", &a), ("methods/b.wesl", &b)], &[]).expect("the frame is everyone's");
+    compose(
+        &[
+            ("main.wesl", &main),
+            ("frame.wesl", frame),
+            ("methods/a.wesl", &a),
+            ("methods/b.wesl", &b),
+        ],
+        &[],
+    )
+    .expect("the frame is everyone's");
 
     // Two surfaces in the one bound light.
     let sun = "import package::interface::shadow::calc_shadow;\n@group(1) @binding(3) var<uniform> sun: vec4f;\nfn lit(position_ws: vec3f) -> f32 { return sun.x * calc_shadow(position_ws); }\n";
     let surface = "import package::interface::light::lit;\nfn shade(position_ws: vec3f) -> f32 { return lit(position_ws) * 0.5; }\n";
     let main = "import package::surfaces::dull::shade as near;\nimport package::surfaces::shiny::shade as far;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(mix(near(vec3f()), far(vec3f()), 0.5)); }\n";
     compose(
-        &[("main.wesl", main), ("surfaces/dull.wesl", surface), ("surfaces/shiny.wesl", surface), ("sun.wesl", sun), ("methods/a.wesl", OWN_MAP)],
+        &[
+            ("main.wesl", main),
+            ("surfaces/dull.wesl", surface),
+            ("surfaces/shiny.wesl", surface),
+            ("sun.wesl", sun),
+            ("methods/a.wesl", OWN_MAP),
+        ],
         &[("shadow", "a")],
     )
     .expect("one light on both");

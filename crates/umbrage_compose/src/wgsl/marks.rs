@@ -169,7 +169,8 @@ impl Marked {
                     Scope::Unsaid => self.values.get(&mark).copied().map(Length::Told),
                     _ => Some(Length::Override(mark)),
                 };
-                self.lengths.extend(length.map(|length| (number.get(), length)));
+                self.lengths
+                    .extend(length.map(|length| (number.get(), length)));
                 self.module.types.replace(handle, ty);
             }
         }

@@ -62,7 +62,9 @@ impl<'a> Text<'a> {
                 reader.made.clear();
             }
             in_struct |= raw.starts_with("struct ");
-            let teller = reader.function.filter(|mark| reader.marked.is_teller(*mark));
+            let teller = reader
+                .function
+                .filter(|mark| reader.marked.is_teller(*mark));
             if let Some(teller) = teller {
                 let told = raw.strip_prefix("    return ");
                 if let Some(told) = told.and_then(|told| told.strip_suffix(';')) {
