@@ -3,8 +3,8 @@
 //! A module is in a shader once, whoever imports it and by whatever name: its resources are one for all. Two
 //! implementations of one interface, called side by side, are meant to be two things, each with resources of its own that
 //! the host makes for it; where something below both of them declares a resource, both read one, and the host's
-//! last word for one of them is wrong for the other. So that is a fault, as are two resources that a host which binds by
-//! names cannot tell apart, and one implementation called by two names.
+//! last word for one of them is wrong for the other. So that is a fault, as are two resources of theirs that a host which
+//! binds by names cannot tell apart, and one function with resources that a module calls by two names.
 //!
 //! None of this concerns an implementation that is another's part (called by it alone), what else in the shader
 //! speaks of a resource too (the pass's frame, say: it is everyone's), or implementations without resources of their
@@ -31,6 +31,8 @@ pub(crate) struct Call {
     pub(crate) module: usize,
     /// What it calls the function by.
     pub(crate) name: String,
+    /// The name in that which is of the calling module's own choosing, if any.
+    pub(crate) alias: Option<String>,
     /// Whether it asks an interface for it.
     pub(crate) by_interface: bool,
     pub(crate) target: FunctionId,
@@ -52,7 +54,7 @@ pub(crate) struct Origins<'a> {
 /// Checks that no two implementations of an interface share state without saying so.
 pub(crate) fn check(origins: &Origins<'_>) -> Result<(), Fault> {
     let implementations = implementations(origins)?;
-    let twice = called_by_two_names(origins, &implementations);
+    let twice = called_by_two_names(origins);
     let several = implementations.values().any(|modules| modules.len() > 1);
     if !several && twice.is_empty() {
         return Ok(());
@@ -104,34 +106,41 @@ fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     Ok(found)
 }
 
-/// Pairs of calls in one module that call one implementation by two names.
-fn called_by_two_names<'a>(
-    origins: &Origins<'a>,
-    implementations: &Implementations,
-) -> Vec<(&'a Call, &'a Call)> {
-    let implementing: BTreeSet<_> = implementations
-        .values()
-        .flat_map(BTreeMap::values)
-        .flatten()
-        .filter_map(|handle| origins.functions.get(handle))
-        .collect();
+/// Pairs of calls in one module that call one function of another by two names.
+fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
+    let linked: BTreeSet<_> = origins.functions.values().collect();
     let mut first: BTreeMap<(usize, FunctionId), &Call> = BTreeMap::new();
     let mut twice = Vec::new();
     for call in origins.calls {
-        if call.module == call.target.0 || !implementing.contains(&call.target) {
+        if call.module == call.target.0 || !linked.contains(&call.target) {
             continue;
         }
         let known = first.entry((call.module, call.target)).or_insert(call);
-        // A path in code and an import of the same name are one name.
-        if last(&known.name) != last(&call.name) {
+        if known.alias != call.alias {
             twice.push((*known, call));
         }
     }
     twice
 }
 
-fn last(name: &str) -> &str {
-    name.rsplit(JOINT).next().unwrap_or(name)
+/// What the call `name` of `item` calls it by, or its module, where that is none of their own names.
+pub(crate) fn alias(library: &Library, name: &str, item: &Item) -> Option<String> {
+    let parts: Vec<_> = name.split(JOINT).collect();
+    let own = match *parts.as_slice() {
+        [_] => Some(item.name.as_str()),
+        ["package" | "super" | "self", ..] => return None,
+        // The first part is an imported module's, or a package's.
+        _ => {
+            let path = &library.source(item.module).path;
+            path.rsplit("::").nth(parts.len() - 2)
+        }
+    };
+    (own != Some(parts[0])).then(|| parts[0].to_owned())
+}
+
+/// The function that `call` calls, in its author's words.
+fn written(call: &Call) -> String {
+    call.name.replace(JOINT, "::")
 }
 
 /// Who calls whom in a linked module, and which resources each speaks of. Entry points are functions of no handle.
@@ -201,8 +210,8 @@ impl<'a> Graph<'a> {
         let path = &self.origins.library.source(first.target.0).path;
         let message = format!(
             "`{}` and `{}` are one function of `{path}`, with one `{}` between them",
-            last(&first.name),
-            last(&second.name),
+            written(first),
+            written(second),
             self.name(*shared)
         );
         Err(self
@@ -379,7 +388,7 @@ impl<'a> Graph<'a> {
 
     fn call(&self, call: &Call, label: &str) -> Place<'a> {
         let source = self.origins.library.source(call.module);
-        let mut place = source.find(&call.name.replace(JOINT, "::"));
+        let mut place = source.find(&written(call));
         place.label = label.to_owned();
         place
     }

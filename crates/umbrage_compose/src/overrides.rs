@@ -129,11 +129,14 @@ fn clash(library: &Library, called: &str, earlier: &Known<'_>, later: &Item) -> 
     let path = |module: usize| &library.source(module).path;
     match earlier {
         Known::Override(earlier) => {
-            let message = format!(
-                "`{}` and `{}` both have an override {called}, and a host that sets it sets one alone",
-                path(earlier.module),
-                path(later.module)
-            );
+            let message = match (path(earlier.module), path(later.module)) {
+                (module, other) if module == other => format!(
+                    "`{module}` has two overrides {called}, and a host that sets it sets one alone"
+                ),
+                (module, other) => format!(
+                    "`{module}` and `{other}` both have an override {called}, and a host that sets it sets one alone"
+                ),
+            };
             Fault::new(Cause::Validation, message)
                 .at(place(later, ""))
                 .at(place(earlier, "the other"))

@@ -487,6 +487,19 @@ fn overrides_that_a_host_cannot_tell_apart() {
 }
 
 #[test]
+fn two_overrides_of_one_number_in_a_module() {
+    let error = compose(&[(
+        "main.wesl",
+        "@id(3) override a: f32 = 1.0;\n@id(1 + 2) override b: f32 = 1.0;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(a + b); }\n",
+    )])
+    .expect_err("a clash");
+    let fault = &error.faults()[0];
+    assert!(fault.message.contains("`demo::main` has two overrides `@id(3)`"), "{error}");
+    let lines: Vec<_> = fault.locations.iter().map(|at| at.line).collect();
+    assert_eq!(lines, [2, 1], "{error}");
+}
+
+#[test]
 fn an_override_of_an_entry_points_name() {
     let error = compose(&[
         ("main.wesl", "import package::a::of_a;\n@fragment fn fs2() -> @location(0) vec4f { return vec4f(of_a()); }\n"),

@@ -168,6 +168,16 @@ fn one_method_by_two_names() {
         &[("main.wesl", 2), ("main.wesl", 1), ("methods/a.wesl", 1)],
     );
     two(imports, &[]).expect("there is nothing to share");
+    // So is a module by two names, whether it implements anything or not.
+    let main = "import package::methods::a as sun;\nimport package::methods::a as lamp;\n@fragment fn fs() -> @location(0) vec4f {\n    return vec4f(sun::helper(1.0)\n        * lamp::helper(1.0));\n}\n";
+    refused(
+        compose(&[("main.wesl", main), ("methods/a.wesl", OWN_MAP)], &[]),
+        "`lamp::helper` and `sun::helper` are one function",
+        &[("main.wesl", 5), ("main.wesl", 4), ("methods/a.wesl", 1)],
+    );
+    // One name in two spellings is one name.
+    let main = "import package::methods::a;\nimport package::methods::a::helper;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(a::helper(1.0) * helper(1.0) * package::methods::a::helper(2.0)); }\n";
+    compose(&[("main.wesl", main), ("methods/a.wesl", OWN_MAP)], &[]).expect("one name");
 }
 
 /// The library's own methods.
