@@ -1,11 +1,16 @@
 //! `umbrage prebuild`: every permutation of the manifests, as files.
 
-use std::{collections::BTreeMap, fs, path::Path, process::ExitCode};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::Path,
+    process::ExitCode,
+};
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use umbrage::compose::{Composer, Key, Manifest};
+use umbrage::compose::{Composed, Composer, Key, Manifest};
 
 use crate::{
     args::PrebuildArgs,
@@ -57,6 +62,8 @@ struct Built {
     wgsl: String,
     spv: Vec<u8>,
     reflection: String,
+    /// What to tell of it.
+    warnings: Vec<String>,
 }
 
 pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
@@ -85,6 +92,13 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
         bail!(
             "the manifests have no permutation, so there is nothing to prebuild; add keys to them"
         );
+    }
+    let warnings: BTreeSet<_> = permutations
+        .values()
+        .flat_map(|built| &built.warnings)
+        .collect();
+    for warning in warnings {
+        eprintln!("warning: {warning}");
     }
     let count = permutations.len();
     let index = Index {
@@ -119,7 +133,11 @@ fn build(path: &Path) -> Result<Vec<(Vec<Key>, Built)>> {
 
 impl Built {
     fn new(composer: &Composer, key: &Key) -> Result<Self> {
-        let permutation = composer.compose(key)?.permutation;
+        let Composed {
+            permutation,
+            warnings,
+            ..
+        } = composer.compose(key)?;
         let wgsl = permutation.wgsl()?;
         let spv: Vec<u8> = permutation
             .spirv()?
@@ -137,6 +155,7 @@ impl Built {
         }
         let hash = hasher.finalize().to_hex();
         Ok(Self {
+            warnings,
             stem: hash[..STEM].to_owned(),
             wgsl,
             spv,

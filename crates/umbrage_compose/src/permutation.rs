@@ -26,7 +26,8 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
-    /// The shader, in naga's IR.
+    /// The shader, in naga's IR. It has no words for diagnostic filters, without which a browser may refuse what
+    /// its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
     /// What naga's validator found out.
     pub info: ModuleInfo,
@@ -58,14 +59,11 @@ impl Permutation {
             library,
             filters: &linked.filters,
         };
-        let mut told = places.unknown_rules();
+        let mut told = places.idle_filters();
         told.extend(uniformity::check(&linked.module, &places)?);
         let written = Written::new(&linked.module, &places);
         Ok(Self {
-            warnings: told
-                .into_iter()
-                .map(|fault| fault.key(&key).to_string())
-                .collect(),
+            warnings: told.iter().map(ToString::to_string).collect(),
             key,
             module: linked.module,
             info,
