@@ -1,0 +1,6 @@
+override many: i32 = 1;
+@compute @workgroup_size(64) fn cs() {
+    if many > 0 {
+        workgroupBarrier();
+    }
+}
