@@ -321,6 +321,7 @@ impl Maker {
         }
         let mut after = Scope {
             in_loop: false,
+            in_switch: false,
             depth: 0,
             returns: None,
             ..scope.clone()

@@ -46,11 +46,11 @@ fn random_shaders_are_taken_as_dawn_takes_them() {
     assert_eq!(verdicts.len() as u64, SHADERS);
     let taken = verdicts.iter().filter(|taken| **taken).count();
     assert!(taken > 500 && verdicts.len() - taken > 500, "one-sided");
-    let wrong: Vec<_> = (0..SHADERS)
+    let wrong: Vec<_> = verdicts
         .into_par_iter()
-        .zip(verdicts)
+        .enumerate()
         .filter_map(|(seed, taken)| {
-            let text = random_shader(seed);
+            let text = random_shader(seed as u64);
             match (taken, linked(text.clone())) {
                 (true, Err(error)) => Some(format!("{seed}: Dawn takes it\n{text}\n{error}")),
                 (false, Ok(_)) => Some(format!("{seed}: Dawn refuses it\n{text}")),

@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'workgroupBarrier' must only be called from uniform control flow
 // Umbrage: must only be called from uniform control flow
 diagnostic(off, derivative_uniformity);
 @group(0) @binding(0) var<storage, read_write> shared_values: array<i32>;

@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'workgroupBarrier' must only be called from uniform control flow
 // Umbrage: must only be called from uniform control flow
 struct Input {
     @builtin(workgroup_id) group: vec3u,

@@ -1,3 +1,4 @@
+// Dawn: takes it
 struct Input {
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,

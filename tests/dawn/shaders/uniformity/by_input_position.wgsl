@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'dpdx' must only be called from uniform control flow
 // Umbrage: must only be called from uniform control flow
 @fragment fn fs(@builtin(position) at: vec4f) -> @location(0) vec4f {
     if at.x > 0 {

@@ -1,3 +1,4 @@
+// Dawn: takes it
 @group(0) @binding(0) var<storage, read_write> shared_values: array<i32>;
 @group(0) @binding(1) var<storage> same_values: array<i32>;
 @group(0) @binding(2) var<uniform> same: vec4i;

@@ -1,3 +1,4 @@
+// Dawn: takes it
 diagnostic(off, derivative_uniformity);
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var at_rest: sampler;

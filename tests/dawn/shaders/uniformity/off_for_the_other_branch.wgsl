@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'textureSample' must only be called from uniform control flow
 // Umbrage: must only be called from uniform control flow
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var at_rest: sampler;

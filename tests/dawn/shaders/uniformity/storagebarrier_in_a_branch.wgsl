@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'storageBarrier' must only be called from uniform control flow
 // Umbrage: `storageBarrier` must only be called from uniform control flow
 @group(0) @binding(0) var<storage, read_write> shared_values: array<i32>;
 @group(0) @binding(1) var<storage> same_values: array<i32>;

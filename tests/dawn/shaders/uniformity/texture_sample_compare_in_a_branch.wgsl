@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'textureSampleCompare' must only be called from uniform control flow
 // Umbrage: `textureSampleCompare` must only be called from uniform control flow
 @group(0) @binding(0) var depths: texture_depth_2d;
 @group(0) @binding(1) var compares: sampler_comparison;

@@ -1,3 +1,4 @@
+// Dawn: refuses it: conflicting diagnostic directive
 // Umbrage: is filtered to two severities
 diagnostic(off, derivative_uniformity);
 diagnostic(info, derivative_uniformity);

@@ -1,3 +1,4 @@
+// Dawn: refuses it: 'workgroupUniformLoad' requires argument 0 to be uniform
 // Umbrage: argument 1 of `workgroupUniformLoad` must be uniform
 @group(0) @binding(0) var<storage, read_write> shared_values: array<i32>;
 @group(0) @binding(1) var<storage> same_values: array<i32>;
