@@ -9,7 +9,7 @@
 use std::{fs, path::PathBuf};
 
 use rayon::prelude::*;
-use umbrage::compose::{Composer, Error, Library, Package, Target};
+use umbrage::compose::{Error, Target, link_file};
 use umbrage_tests::{Dawn, random_shader};
 
 /// How many shaders.
@@ -26,17 +26,16 @@ fn verdicts() -> Vec<bool> {
     marks.map(|mark| mark == '+').collect()
 }
 
-/// What we print of the shader `text`.
-fn linked(text: String) -> Result<String, Error> {
-    let axes = r#"(axes: { "pass": (values: { "main": (root: "package::main") }) })"#;
-    let files = [
-        ("axes.ron".to_owned(), axes.to_owned()),
-        ("main.wgsl".to_owned(), text),
-    ];
-    let library = Library::new([Package::from_sources("demo", "demo", files)?])?;
-    let key = library.key([("pass", "main")])?;
-    let composed = Composer::new(library, Target::webgpu()).compose(&key)?;
-    composed.permutation.wgsl()
+/// What we print of the shader `seed`: of all its functions, as Dawn looks at those, too, that nothing calls.
+fn linked(seed: u64) -> Result<String, Error> {
+    let thread = std::thread::current().id();
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{seed}-{thread:?}"));
+    fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("main.wgsl");
+    fs::write(&file, random_shader(seed)).expect("a file");
+    let linked = link_file(&file, None, &[], &[], Target::webgpu());
+    fs::remove_dir_all(&folder).expect("removed");
+    linked?.wgsl()
 }
 
 /// Random shaders are taken or refused by us as by Dawn.
@@ -51,7 +50,7 @@ fn random_shaders_are_taken_as_dawn_takes_them() {
         .enumerate()
         .filter_map(|(seed, taken)| {
             let text = random_shader(seed as u64);
-            match (taken, linked(text.clone())) {
+            match (taken, linked(seed as u64)) {
                 (true, Err(error)) => Some(format!("{seed}: Dawn takes it\n{text}\n{error}")),
                 (false, Ok(_)) => Some(format!("{seed}: Dawn refuses it\n{text}")),
                 _ => None,
@@ -85,7 +84,7 @@ fn dawn_takes_what_we_print_of_random_shaders() {
         // It is of this kind of fault alone that these are.
         let uniform = |why: &String| why.contains("uniform");
         assert!(refusal.as_ref().is_none_or(uniform), "{seed}: {refusal:?}");
-        if let Ok(text) = linked(random_shader(seed as u64)) {
+        if let Ok(text) = linked(seed as u64) {
             assert_eq!(dawn.refusal(&text), None, "{seed}: {text}");
         }
     }
