@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Error, Key, Library, Permutation, Reflection, Target,
+    diagnostics::Written,
     permutation::validate,
     project::Dependencies,
     store::{Kind, Look, Store},
@@ -31,6 +32,8 @@ struct EntryOut<'a> {
     key: &'a Key,
     module: &'a Module,
     reflection: &'a Reflection,
+    warnings: &'a [String],
+    written: &'a Written,
 }
 
 #[derive(Deserialize)]
@@ -38,6 +41,8 @@ struct EntryIn {
     key: Key,
     module: Module,
     reflection: Reflection,
+    warnings: Vec<String>,
+    written: Written,
 }
 
 impl DiskCache {
@@ -91,6 +96,8 @@ impl DiskCache {
             key: &permutation.key,
             module: &permutation.module,
             reflection: &permutation.reflection,
+            warnings: &permutation.warnings,
+            written: &permutation.written,
         };
         match postcard::to_stdvec(&entry) {
             Ok(payload) => self.0.keep(name, &payload),
@@ -110,5 +117,7 @@ fn decode(payload: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'s
         module: entry.module,
         info,
         reflection: entry.reflection,
+        warnings: entry.warnings,
+        written: entry.written,
     })
 }

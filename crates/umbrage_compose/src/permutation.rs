@@ -9,8 +9,13 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, names::Item, overrides,
-    reflect::reflect, wgsl,
+    Cause, Error, Fault, Key, Library, Reflection, Target,
+    diagnostics::{Places, Written},
+    link::Linked,
+    names::Item,
+    overrides,
+    reflect::reflect,
+    uniformity, wgsl,
 };
 
 /// A linked and validated shader.
@@ -18,12 +23,17 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
-    /// The shader, in naga's IR.
+    /// The shader, in naga's IR. It has no words for diagnostic filters, without which a browser may refuse what
+    /// its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
     /// What naga's validator found out.
     pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
+    /// What is worth telling of it, though it does no harm: what the authors' diagnostic filters make less
+    /// than an error, and rules that WGSL does not have.
+    pub warnings: Vec<String>,
+    pub(crate) written: Written,
 }
 
 impl Permutation {
@@ -42,16 +52,25 @@ impl Permutation {
         let owner = |handle| linked.owners.get(&handle).map(declared);
         let reflection = reflect(&linked.module, &info, owner, settable);
         target.check(library, &reflection)?;
+        let places = Places {
+            library,
+            filters: &linked.filters,
+        };
+        let mut told = places.idle_filters();
+        told.extend(uniformity::check(&linked.module, &places)?);
+        let written = Written::new(&linked.module, &places);
         if wgsl::has_predeclared_hosts(&linked.module)
-            && let Err(error @ wgsl::Error::Host(_)) = wgsl::write(&linked.module, &info)
+            && let Err(error @ wgsl::Error::Host(_)) = wgsl::write(&linked.module, &info, &written)
         {
             return Err(host_fault(library, root, &reflection, &error));
         }
         Ok(Self {
+            warnings: told.iter().map(ToString::to_string).collect(),
             key,
             module: linked.module,
             info,
             reflection,
+            written,
         })
     }
 
@@ -61,7 +80,8 @@ impl Permutation {
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info, &self.written)
+            .map_err(|error| self.unwritable("WGSL", &error))
     }
 
     /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides are constants of
@@ -135,7 +155,9 @@ pub(crate) fn validate(
     module: &Module,
     target: &Target,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), target.capabilities()).validate(module)
+    // Uniformity is decided as the specification has it, which naga does not (`uniformity`).
+    let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
+    Validator::new(flags, target.capabilities()).validate(module)
 }
 
 fn validation_fault(

@@ -1,13 +1,16 @@
 //! Units: modules as naga parsed them, each by itself, ready to be copied from.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
 use rustc_hash::FxHashMap;
 
-use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepared, stubs::JOINT};
+use crate::{
+    Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
+    stubs::JOINT,
+};
 
 /// A module as naga parsed it.
 #[derive(Debug)]
@@ -31,6 +34,10 @@ pub(crate) struct Unit {
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
+    /// What of the text that naga parsed is the author's.
+    pub(crate) own: Range<usize>,
+    /// The module's diagnostic filters.
+    pub(crate) filters: Arc<Filters>,
 }
 
 /// What a function does, as far as it matters for leaving things out.
@@ -122,6 +129,8 @@ pub(crate) fn parse(
             .collect(),
         facts: Vec::new(),
         entry_facts: Vec::new(),
+        own: prepared.own.clone(),
+        filters: prepared.filters.clone(),
         module: parsed,
         functions,
         globals,
@@ -142,25 +151,26 @@ pub(crate) fn parse(
         .map(|e| facts(&unit.module, &e.function))
         .collect();
     for (_, function) in unit.module.functions.iter_mut() {
-        shift_function(function, source.base, prepared.own);
+        shift_function(function, source.base, &prepared.own);
     }
     for entry in &mut unit.module.entry_points {
-        shift_function(&mut entry.function, source.base, prepared.own);
+        shift_function(&mut entry.function, source.base, &prepared.own);
     }
     Ok(unit)
 }
 
 /// `span` of a module's text, counted from the start of the library's.
-pub(crate) fn shifted(span: Span, base: usize, own: usize) -> Span {
+pub(crate) fn shifted(span: Span, base: usize, own: &Range<usize>) -> Span {
     match span.to_range() {
-        Some(range) if range.end <= own => {
-            Span::new((range.start + base) as u32, (range.end + base) as u32)
+        Some(range) if own.start <= range.start && range.end <= own.end => {
+            let shift = |at: usize| (at - own.start + base) as u32;
+            Span::new(shift(range.start), shift(range.end))
         }
         _ => Span::UNDEFINED,
     }
 }
 
-fn shift_function(function: &mut Function, base: usize, own: usize) {
+fn shift_function(function: &mut Function, base: usize, own: &Range<usize>) {
     let mut expressions = naga::Arena::new();
     for (_, expression, span) in function.expressions.drain() {
         expressions.append(expression, shifted(span, base, own));
@@ -174,7 +184,7 @@ fn shift_function(function: &mut Function, base: usize, own: usize) {
     shift_block(&mut function.body, base, own);
 }
 
-fn shift_block(block: &mut Block, base: usize, own: usize) {
+fn shift_block(block: &mut Block, base: usize, own: &Range<usize>) {
     for (statement, span) in block.span_iter_mut() {
         if let Some(span) = span {
             *span = shifted(*span, base, own);
@@ -323,8 +333,10 @@ fn parse_fault(
     let mut fault = Fault::new(cause, message.clone());
     for (span, label) in error.labels() {
         if let Some(range) = span.to_range()
-            && range.start < prepared.own
+            && prepared.own.contains(&range.start)
         {
+            let start = prepared.own.start;
+            let range = range.start - start..range.end - start;
             fault = fault.at(source.place_labelled(range, plain(label)));
         }
     }
@@ -334,11 +346,15 @@ fn parse_fault(
         let stub = error.labels().next().and_then(|(span, _)| span.to_range());
         let line = stub.and_then(|range| {
             let text = &prepared.text;
-            let start = text[..range.start.min(text.len())].rfind('\n')? + 1;
+            let start = text[..range.start.min(text.len())]
+                .rfind('\n')
+                .map_or(0, |at| at + 1);
             text[start..].lines().next()
         });
         fault = fault.at(source.place(0..0));
-        if let Some(line) = line {
+        if let Some(line) = line.and_then(|line| line.strip_prefix("enable ")) {
+            blamed = prepared.lent.get(line.trim_end_matches(';')).copied();
+        } else if let Some(line) = line {
             let mut words = line.split(|c: char| c.is_whitespace() || "(:<>={;,".contains(c));
             blamed = words
                 .find_map(|word| prepared.stubs.items.get(word))
