@@ -127,12 +127,12 @@ impl Targets<'_> {
         for (&(module, called), &target) in &self.known {
             let unit = self.unit(module)?;
             let item = &unit.functions[&called];
+            let name = unit.module.functions[called].name.clone();
+            let name = name.unwrap_or_default();
             calls.push(Call {
                 module,
-                name: unit.module.functions[called]
-                    .name
-                    .clone()
-                    .unwrap_or_default(),
+                alias: instances::alias(self.library, &name, item),
+                name,
                 by_interface: item.module != target.0,
                 target,
             });
