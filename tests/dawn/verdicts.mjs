@@ -1,7 +1,8 @@
 // Dawn's verdicts on shaders: a request a line on standard input, its verdict a line on standard output, after
 // the word `verdict`: Dawn itself prints warnings there.
 //
-// A request is `{"code": WGSL, "pipelines": [[PIPELINE, …], …]}`. Of the pipelines in an inner list one must be
+// A request is `{"code": WGSL, "buffers": [{"type", "size"}], "pipelines": [[PIPELINE, …], …]}`. Each buffer, by the
+// type and the least size of its binding, must be one that can be bound. Of the pipelines in an inner list one must be
 // made, and of every list: a fragment stage may fit one of several vertex stages. A pipeline is
 // `{"compute": ENTRY}` or `{"vertex": ENTRY, "inputs": [{"location", "format"}], "before": WGSL or none,
 // "fragment": ENTRY or none, "outputs": [FORMAT or null]}`; `before` is the module of the vertex stage where
@@ -78,14 +79,32 @@ async function pipelineRefused(pipeline, module) {
   return made.why;
 }
 
-async function verdict({ code, pipelines }) {
+async function bufferRefused({ type, size }) {
+  const usage = type === 'uniform' ? GPUBufferUsage.UNIFORM : GPUBufferUsage.STORAGE;
+  const bound = await refused(() => {
+    const buffer = { type, minBindingSize: size };
+    const entries = [{ binding: 0, visibility: GPUShaderStage.COMPUTE, buffer }];
+    const layout = device.createBindGroupLayout({ entries });
+    const made = device.createBuffer({ size: Math.ceil(size / 4) * 4, usage });
+    device.createBindGroup({ layout, entries: [{ binding: 0, resource: { buffer: made } }] });
+    return made;
+  });
+  bound.made?.destroy();
+  return bound.why;
+}
+
+async function verdict({ code, buffers, pipelines }) {
   const { made: module, why } = await refused(() => device.createShaderModule({ code }));
   if (why) {
     const info = await module?.getCompilationInfo();
     const error = info?.messages.find((message) => message.type === 'error');
     return error ? `${error.lineNum}:${error.linePos} ${error.message}` : why;
   }
-  for (const alternatives of pipelines ?? []) {
+  for (const buffer of buffers) {
+    const why = await bufferRefused(buffer);
+    if (why) return why;
+  }
+  for (const alternatives of pipelines) {
     let last = null;
     for (const pipeline of alternatives) {
       last = await pipelineRefused(pipeline, module);

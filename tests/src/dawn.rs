@@ -9,7 +9,9 @@ use std::{
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
-use naga::{Binding, EntryPoint, Handle, Module, ScalarKind, ShaderStage, Type, TypeInner};
+use naga::{
+    AddressSpace, Binding, EntryPoint, Handle, Module, ScalarKind, ShaderStage, Type, TypeInner,
+};
 use serde_json::{Value, json};
 
 /// Dawn in a process of its own, until it is dropped.
@@ -62,9 +64,12 @@ impl Dawn {
     /// Why Dawn refuses the shader `code` or a pipeline of its entry points; none where it takes all.
     pub fn refusal(&mut self, code: &str) -> Option<String> {
         // What naga cannot even parse has no pipelines that we could tell.
-        let module = naga::front::wgsl::parse_str(code);
-        let pipelines = module.map_or_else(|_| Vec::new(), |module| pipelines(&module));
-        let request = json!({ "code": code, "pipelines": pipelines });
+        let module = naga::front::wgsl::parse_str(code).unwrap_or_default();
+        let request = json!({
+            "code": code,
+            "buffers": buffers(&module),
+            "pipelines": pipelines(&module),
+        });
         let answer = self.ask(&request).expect("Dawn answers");
         answer["refused"].as_str().map(str::to_owned)
     }
@@ -90,6 +95,22 @@ impl Drop for Dawn {
         self.requests = None;
         let _ = self.child.wait();
     }
+}
+
+/// The buffers that a module binds, each of the least size that will do.
+fn buffers(module: &Module) -> Vec<Value> {
+    let variables = module.global_variables.iter();
+    variables
+        .filter_map(|(_, variable)| {
+            let kind = match variable.space {
+                AddressSpace::Uniform => "uniform",
+                AddressSpace::Storage { .. } => "storage",
+                _ => return None,
+            };
+            let size = module.types[variable.ty].inner.size(module.to_ctx());
+            Some(json!({ "type": kind, "size": size.max(4) }))
+        })
+        .collect()
 }
 
 /// The pipelines of a module's entry points, as `verdicts.mjs` takes them. Each fragment stage must fit a vertex

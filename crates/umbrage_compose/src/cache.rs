@@ -8,7 +8,7 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Permutation, Reflection, Target,
+    Error, Key, Library, Limit, Permutation, Reflection, Target,
     diagnostics::Written,
     permutation::validate,
     project::Dependencies,
@@ -66,6 +66,10 @@ impl DiskCache {
         part(NAGA_VERSION.as_bytes());
         part(target.name().as_bytes());
         part(&target.capabilities().bits().to_le_bytes());
+        for limit in Limit::ALL {
+            part(&target.limit(*limit).to_le_bytes());
+        }
+        part(&[u8::from(target.has_vertex_writes())]);
         part(key.to_string().as_bytes());
         // What the choices ask of the linker may change with the axes, and the key stay the same.
         for (axis, effect) in library.axes().effects(key) {

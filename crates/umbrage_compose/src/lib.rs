@@ -100,6 +100,7 @@ mod project;
 mod reach;
 mod reflect;
 mod ron_text;
+mod rules;
 mod source;
 mod store;
 mod stubs;
@@ -126,5 +127,5 @@ pub use reflect::{
     TextureDimension, TextureSample, VertexInput,
 };
 pub use store::{Kind, Look, Store};
-pub use target::Target;
+pub use target::{Limit, Target};
 pub use when::{RonFile, When};

@@ -18,6 +18,7 @@ use crate::{
     names::Item,
     overrides,
     reflect::reflect,
+    rules::Subject,
     uniformity, wgsl,
 };
 
@@ -46,6 +47,13 @@ impl Permutation {
         key: Key,
         (root, linked): (usize, Linked),
     ) -> Result<Self, Fault> {
+        let subject = Subject {
+            library,
+            target,
+            root,
+            module: &linked.module,
+        };
+        subject.check_before_validation()?;
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
         let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
@@ -54,7 +62,7 @@ impl Permutation {
         });
         let owner = |handle| linked.owners.get(&handle).map(declared);
         let reflection = reflect(&linked.module, &info, owner, settable);
-        target.check(library, &reflection)?;
+        subject.check(&info, &reflection)?;
         let places = Places {
             library,
             filters: &linked.filters,

@@ -28,6 +28,8 @@ use crate::{
 use graph::{Graph, Node};
 use walk::Walk;
 
+pub(crate) use walk::for_each_operand;
+
 /// Checks the module: a fault for what is an error, and faults to be told as warnings for what the
 /// author's filters make less.
 pub(crate) fn check(module: &Module, places: &Places<'_>) -> Result<Vec<Fault>, Fault> {

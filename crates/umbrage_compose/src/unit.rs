@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::{
     Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
-    stubs::JOINT,
+    rules::check_text, stubs::JOINT,
 };
 
 /// A module as naga parsed it.
@@ -67,9 +67,26 @@ pub(crate) fn parse(
     module: usize,
     prepared: &Prepared,
 ) -> Result<Unit, Refusal> {
-    let parsed = naga::front::wgsl::parse_str(&prepared.text)
+    let mut parsed = naga::front::wgsl::parse_str(&prepared.text)
         .map_err(|error| parse_fault(library, module, prepared, &error))?;
     let source = library.source(module);
+    let functions = parsed.functions.iter_mut().map(|(_, function)| function);
+    let entries = parsed.entry_points.iter_mut();
+    for function in functions.chain(entries.map(|entry| &mut entry.function)) {
+        if function.result.is_some() {
+            drop_added_returns(&mut function.body);
+        }
+    }
+    check_text(&parsed, &prepared.text).map_err(|problem| {
+        let span = shifted(problem.span, 0, &prepared.own).to_range();
+        let place = source.place(span.unwrap_or(0..0));
+        Refusal {
+            fault: Fault::new(Cause::Validation, problem.message)
+                .at(place)
+                .note(problem.advice),
+            blamed: None,
+        }
+    })?;
     let item = |name: &Option<String>| {
         let name = name.clone().unwrap_or_default();
         prepared
@@ -181,6 +198,21 @@ fn shift_function(function: &mut Function, base: usize, own: &Range<usize>) {
     }
     function.local_variables = locals;
     shift_block(&mut function.body, base, own);
+}
+
+/// Takes out the `return` that naga ends a function with where its author did not. It gives no value, and where
+/// the end cannot be reached none is due; where it can, `rules::flow` says so.
+fn drop_added_returns(block: &mut Block) {
+    let last = block.span_iter().last();
+    let added = last.is_some_and(|(statement, span)| {
+        matches!(statement, Statement::Return { value: None }) && span.to_range().is_none()
+    });
+    if added {
+        block.cull(block.len() - 1..);
+    }
+    if let Some(last) = block.last_mut() {
+        for_each_block(last, &mut drop_added_returns);
+    }
 }
 
 fn shift_block(block: &mut Block, base: usize, own: &Range<usize>) {
@@ -363,6 +395,15 @@ fn parse_fault(
     }
     for note in error.notes() {
         fault = fault.note(plain(note));
+    }
+    let unknown = [
+        "Not implemented as constant expression",
+        "to a concrete type",
+    ];
+    if unknown.iter().any(|words| message.contains(words)) {
+        fault = fault.note(
+            "naga does not evaluate every function of constants: call it within a function, and give an argument a type, as in `1.0f`",
+        );
     }
     // Naga names what it does not know; the nearest known name is most of the help.
     if let Some(unknown) = message

@@ -785,7 +785,11 @@ fn differs(
     }
 }
 
-fn for_each_operand(expression: &Expression, visit: &mut impl FnMut(Handle<Expression>)) {
+/// Calls `visit` for each expression that `expression` is made of.
+pub(crate) fn for_each_operand(
+    expression: &Expression,
+    visit: &mut impl FnMut(Handle<Expression>),
+) {
     match expression {
         Expression::Literal(_)
         | Expression::Constant(_)

@@ -2,11 +2,14 @@
 //!
 //! `dawn/shaders` has small shaders, one a file, whose first line says what Dawn says of it (`// Dawn: takes it`,
 //! or `// Dawn: refuses it: WHY`), so that ours are held to it where no Dawn is. A second line `// Umbrage: WORDS`
-//! asks that our refusal has these words. `UMBRAGE_BLESS=1` writes the first lines anew, by Dawn.
+//! asks that we refuse it in these words: of what Dawn takes, that is what naga cannot do. `UMBRAGE_BLESS=1` writes
+//! the first lines anew, by Dawn.
 #![allow(
     clippy::panic,
     reason = "a test's helpers may fail it, with the error's own words"
 )]
+
+mod random;
 
 use std::{
     collections::BTreeMap,
@@ -85,16 +88,14 @@ fn our_verdicts_are_the_stored_ones() {
         .par_iter()
         .filter_map(|shader| {
             let path = shader.path.display();
-            match (shader.stored(), our_refusal(&shader.text)) {
-                (None, None) => None,
-                (None, Some(ours)) => Some(format!("{path}: Dawn takes it, but we say\n{ours}")),
-                (Some(why), None) => Some(format!("{path}: Dawn says “{why}”, but we take it")),
-                (Some(_), Some(ours)) => match shader.words() {
-                    Some(words) if !ours.contains(words) => {
-                        Some(format!("{path}: not in these words: {words}\n{ours}"))
-                    }
-                    _ => None,
-                },
+            match (shader.stored(), shader.words(), our_refusal(&shader.text)) {
+                (None, None, None) => None,
+                (_, Some(words), Some(ours)) if ours.contains(words) => None,
+                (Some(_), None, Some(_)) => None,
+                (dawns, words, ours) => Some(format!(
+                    "{path}: Dawn says {dawns:?}, we are to say {words:?}, and say\n{}",
+                    ours.as_deref().unwrap_or("nothing against it")
+                )),
             }
         })
         .collect();
@@ -175,5 +176,51 @@ fn every_permutation_is_taken_by_dawn() {
         refused.len(),
         texts.len(),
         refused.join("\n")
+    );
+}
+
+/// How many shaders are made at random.
+const RANDOM: u64 = 2000;
+
+/// Of shaders made at random, at the borders of the rules, we take and refuse the same as Dawn.
+#[test]
+fn random_shaders_are_judged_alike() {
+    let Some(mut dawn) = Dawn::start() else {
+        return;
+    };
+    // Others than these, and more, by hand.
+    let number = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
+    let first: u64 = number("UMBRAGE_FIRST_SEED").unwrap_or(0);
+    let count = number("UMBRAGE_SEEDS").unwrap_or(RANDOM);
+    let judged: Vec<_> = (first..first + count)
+        .into_par_iter()
+        .map(|seed| {
+            let text = random::shader(seed);
+            (seed, our_refusal(&text), text)
+        })
+        .collect();
+    let mut refused = 0;
+    let mut wrong = Vec::new();
+    for (seed, ours, text) in judged {
+        let dawns = dawn.refusal(&text);
+        refused += u32::from(dawns.is_some());
+        // Naga evaluates few functions of constants that have no type; we say so where it does not.
+        let untyped = ours
+            .as_ref()
+            .is_some_and(|ours| ours.contains("naga does not evaluate"));
+        if !untyped && ours.is_some() != dawns.is_some() {
+            wrong.push(format!("{seed}: Dawn says {dawns:?}, we {ours:?}\n{text}"));
+        }
+    }
+    // A generator that makes one kind alone would tell nothing.
+    assert!(
+        refused > count as u32 / 5 && refused < count as u32 * 4 / 5,
+        "{refused}"
+    );
+    assert!(
+        wrong.is_empty(),
+        "{} of {count}, of which {refused} are refused:\n{}",
+        wrong.len(),
+        wrong.join("\n")
     );
 }
