@@ -128,7 +128,7 @@ impl Maker {
         self.text += head;
         let statements = 2 + self.random.below(6);
         let body = self.statements(&mut scope, statements);
-        let _ = write!(self.text, "{body}}}\n");
+        let _ = writeln!(self.text, "{body}}}");
     }
 
     fn function(&mut self) {
@@ -163,9 +163,9 @@ impl Maker {
             let _ = writeln!(body, "return {};", self.value(&scope, 1));
         }
         let (parameters, arrow) = (parameters.join(", "), if gives { " -> i32" } else { "" });
-        let _ = write!(
+        let _ = writeln!(
             self.text,
-            "{filter}fn {name}({parameters}){arrow} {{\n{body}}}\n"
+            "{filter}fn {name}({parameters}){arrow} {{\n{body}}}"
         );
         self.functions.push(Function {
             name,
