@@ -53,6 +53,7 @@
 //! | `exponent`, `-overlap`, `-overlap-spot`, `-contact`, `-contact-spot` | occluders 80 m before a receiver, two that overlap, and ones that touch it in a map that deep |
 //! | `steep-blocks-3`, `-5`, `-7`, `-15`, `-spot-3` to `-spot-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
 //! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
+//! | `wall-lamp`, `-near`, `-wash` | a lamp 5 and 2 cm before a wall, and a spot light that washes it: all angles to its normal, to 89.8° |
 //! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
 //!
 //! Each scene is traced in its tests: there is light and shadow in healthy shares, and what its name says

@@ -75,8 +75,8 @@
 //! takes all ways, `packed` and `matrix_texture` take 0.39 and 0.40 of the time.
 //!
 //! # Limits
-//! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
-//! at their own depth plus `depth_bias`, as with [`crate::basic`]. Between splits, the size of texels jumps.
+//! Point lights are not supported: a cube map has no splits. Flat light is followed as by [`crate::basic`], with
+//! its limits. Between splits, the size of texels jumps.
 
 mod fit;
 mod lookup;
