@@ -20,12 +20,23 @@
 //!
 //! # Which slope
 //! What follows a plane loses the near ends of shadows, where what shades is within |s|₁ along the ray; what steps aside
-//! loses their far ends and all that is lower than the step, which grows with the filter. False shadow and false light, percent of the samples in three
-//! hard cases (`umbrage stress`), by the slope up to which planes are followed; before, there was no step:
+//! loses their far ends, and all that is lower than the step, which grows with the filter. False shadow / false light in
+//! percent of the samples (`umbrage stress --json`), by the slope up to which planes are followed. Before, nothing stepped
+//! aside:
 //!
 //! | case, variant | before, 19 | 19 | 40 | 57 | 64 | 100 | 1000 |
 //! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
-//! TABLE
+//! | `wall-lamp`, basic | 21.51 / 0.14 | 0.05 / 1.71 | 0.03 / 0.82 | 0.10 / 0.25 | 0.24 / 0.19 | 0.25 / 0.19 | 0.25 / 0.19 |
+//! | `wall-lamp`, basic 15 | 21.98 / 0.17 | 0.13 / 6.59 | 0.15 / 2.62 | 0.11 / 0.77 | 0.31 / 0.37 | 0.32 / 0.37 | 0.32 / 0.37 |
+//! | `wall-lamp-near`, basic | 25.65 / 0.08 | 0.08 / 0.10 | 0.07 / 0.13 | 0.06 / 0.17 | 0.05 / 0.20 | 0.04 / 0.40 | 0.02 / 0.49 |
+//! | `wall-lamp-near`, basic 15 | 26.17 / 0.14 | 0.24 / 0.64 | 0.20 / 0.78 | 0.16 / 0.68 | 0.14 / 0.59 | 0.08 / 0.59 | 0.02 / 0.71 |
+//! | `wall-lamp-wash`, basic | 16.39 / 0.09 | 0.05 / 0.46 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 |
+//! | `wall-lamp-wash`, pssm | 23.92 / 0.18 | 0.02 / 1.11 | 0.16 / 1.02 | 0.22 / 1.08 | 0.22 / 1.08 | 0.22 / 1.08 | 0.22 / 1.08 |
+//! | `grazing-89`, basic | 35.88 / 0.30 | 0.05 / 1.63 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 |
+//! | `grazing-89`, basic 15 | 33.23 / 0.25 | 0.02 / 9.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.07 / 4.01 | 0.07 / 4.01 |
+//!
+//! Of the light that reaches the wall 5 cm behind the lamp, all this is little: 0.95 % were falsely dark, 0.01 % are. What is
+//! left in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
 
 use glam::DVec2;
 

@@ -131,7 +131,7 @@ impl Ray {
     /// there, farther from the plane than what is known of both, the end's error and how far off the corners may be
     /// along each axis (`coarse`, metres). All is computed as seen from the end, and does not depend on where the
     /// ray comes from.
-    pub(super) fn crosses(&self, [a, b, c]: [DVec3; 3], coarse: DVec3) -> bool {
+    pub(super) fn crosses(&self, [a, b, c]: [DVec3; 3], coarse: impl Fn() -> DVec3) -> bool {
         let Some(end) = self.end else {
             return true;
         };
@@ -142,7 +142,7 @@ impl Ray {
         let reach = [a, b, c].map(|corner| corner.distance(end.at));
         let reach = reach.into_iter().fold(0.0, f64::max);
         let rounding = 16.0 * edges * (f64::EPSILON * reach + end.error);
-        beyond > rounding + normal.abs().dot(coarse)
+        beyond > rounding + normal.abs().dot(coarse())
     }
 
     /// The distance is n · a / n · d, for the triangle's normal n (unnormalised), a corner a seen from

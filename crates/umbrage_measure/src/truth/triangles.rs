@@ -234,7 +234,7 @@ impl Triangles {
         let corners = self.corners(triangle);
         let meeting = ray.meet(corners)?;
         let blocks = meeting.distance > meeting.rounding
-            && ray.crosses(corners, self.coarseness(triangle))
+            && ray.crosses(corners, || self.coarseness(triangle))
             && self.objects[self.owner(triangle).0 as usize].material.casts
             && self.is_solid(triangle, &meeting);
         blocks.then_some(meeting.distance)
