@@ -6,10 +6,12 @@ mod colored;
 mod dawn;
 mod maps;
 mod oracle;
+mod random;
 mod stage;
 
 pub use colored::{colored_package, registry};
 pub use dawn::Dawn;
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
+pub use random::random_shader;
 pub use stage::{Stage, stage};

@@ -28,6 +28,11 @@ pub(crate) enum Rule {
 impl Rule {
     const ALL: [Self; 2] = [Self::DerivativeUniformity, Self::SubgroupUniformity];
 
+    /// Whether WGSL has a rule of the name `rule`.
+    fn known(rule: &str) -> bool {
+        Self::ALL.iter().any(|known| known.name() == rule)
+    }
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::DerivativeUniformity => "derivative_uniformity",
@@ -328,24 +333,32 @@ impl<'a> Places<'a> {
         Some((module, start..start + range.len()))
     }
 
-    /// Filters of rules that WGSL does not have, in the modules in order: browsers warn of them, too.
-    pub(crate) fn unknown_rules(&self) -> Vec<Fault> {
+    /// Filters that have no effect, in the modules in order: of rules that WGSL does not have, of which browsers
+    /// warn, too, and what cannot be written again.
+    pub(crate) fn idle_filters(&self) -> Vec<Fault> {
         let mut modules: Vec<_> = self.filters.iter().collect();
         modules.sort_by_key(|(module, _)| **module);
         let mut faults = Vec::new();
         for (module, filters) in modules {
             for filter in &filters.0 {
                 let rule = &filter.setting.rule;
+                if Rule::known(rule) {
+                    continue;
+                }
+                let place = self.library.source(*module).place(filter.written.clone());
                 // A name with a point is for another tool.
-                if rule.contains('.') || Rule::ALL.iter().any(|known| known.name() == rule) {
+                if rule.contains('.') {
+                    if filter.on == On::Statement {
+                        let message =
+                            format!("`{rule}` is left out: no statement keeps another tool's rule");
+                        let fault = Fault::new(Cause::Syntax, message).at(place);
+                        faults.push(fault.note("put it on the function"));
+                    }
                     continue;
                 }
                 let known = Rule::ALL.map(Rule::name);
-                let fault = Fault::new(
-                    Cause::Syntax,
-                    format!("WGSL has no diagnostic rule `{rule}`"),
-                )
-                .at(self.library.source(*module).place(filter.written.clone()));
+                let message = format!("WGSL has no diagnostic rule `{rule}`");
+                let fault = Fault::new(Cause::Syntax, message).at(place);
                 faults.push(match nearest(rule, known) {
                     Some(near) => fault.note(format!("did you mean `{near}`?")),
                     None => fault.note(format!("it has `{}`", known.join("` and `"))),
@@ -397,7 +410,8 @@ impl Written {
         settings.dedup();
         for setting in settings {
             let agree = |(attributes, rules): &(Attributes, Vec<&str>)| {
-                attributes.function.contains(&setting) || !rules.contains(&setting.rule.as_str())
+                let idle = Rule::known(&setting.rule) && !rules.contains(&setting.rule.as_str());
+                attributes.function.contains(&setting) || idle
             };
             if all.iter().all(agree) {
                 for (attributes, _) in &mut all {
@@ -407,10 +421,8 @@ impl Written {
             }
         }
         // A function's own severity may be the rule's own again, which needs no words.
-        let default = |setting: &Setting| {
-            let known = Rule::ALL.iter().any(|rule| rule.name() == setting.rule);
-            known && setting.severity == Severity::Error
-        };
+        let default =
+            |setting: &Setting| Rule::known(&setting.rule) && setting.severity == Severity::Error;
         directives.retain(|setting| !default(setting));
         for (attributes, _) in &mut all {
             attributes.function.retain(|setting| !default(setting));
@@ -511,20 +523,15 @@ fn attributes<'a>(function: &Function, places: &Places<'a>) -> (Attributes, Vec<
         }
     }
     // Rules of other tools hold for the function as they were written on it or its module.
-    let known = |filter: &&Filter| {
-        Rule::ALL
-            .iter()
-            .any(|rule| rule.name() == filter.setting.rule)
-    };
     let mut spans = function.body.span_iter().map(|(_, span)| *span);
     let at = spans.find_map(|span| places.locate(span));
     if let Some((module, range)) = at
         && let Some(filters) = places.filters.get(&module)
     {
         let around = filters.around(range.start);
-        for filter in around.filter(|filter| !known(filter) && filter.on != On::Statement) {
+        for filter in around.filter(|filter| filter.on != On::Statement) {
             let rule = filter.setting.rule.as_str();
-            if !rules.contains(&rule) {
+            if !Rule::known(rule) && !rules.contains(&rule) {
                 rules.push(rule);
                 attributes.function.push(filter.setting.clone());
             }

@@ -2,10 +2,7 @@
 
 use naga::{
     Module, Statement, WithSpan,
-    back::{
-        PipelineConstants,
-        pipeline_constants::{PipelineConstantError, process_overrides},
-    },
+    back::pipeline_constants::PipelineConstantError,
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
@@ -27,7 +24,8 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
-    /// The shader, in naga's IR.
+    /// The shader, in naga's IR. It has no words for diagnostic filters, without which a browser may refuse what
+    /// its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
     /// What naga's validator found out.
     pub info: ModuleInfo,
@@ -66,14 +64,16 @@ impl Permutation {
             library,
             filters: &linked.filters,
         };
-        let mut told = places.unknown_rules();
+        let mut told = places.idle_filters();
         told.extend(uniformity::check(&linked.module, &places)?);
         let written = Written::new(&linked.module, &places);
+        if wgsl::is_doubtful(&linked.module)
+            && let Err(error) = wgsl::write(&linked.module, &info, &written)
+        {
+            return Err(wgsl_fault(library, root, &reflection, &error));
+        }
         Ok(Self {
-            warnings: told
-                .into_iter()
-                .map(|fault| fault.key(&key).to_string())
-                .collect(),
+            warnings: told.iter().map(ToString::to_string).collect(),
             key,
             module: linked.module,
             info,
@@ -104,8 +104,7 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let constants = PipelineConstants::default();
-        let (module, info) = process_overrides(&self.module, &self.info, None, &constants)
+        let (module, info) = overrides::resolved(&self.module, &self.info)
             .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
@@ -138,6 +137,39 @@ impl Permutation {
         )
         .key(&self.key)
         .into()
+    }
+}
+
+/// What WGSL has no words for, where it is declared.
+fn wgsl_fault(
+    library: &Library,
+    root: usize,
+    reflection: &Reflection,
+    error: &wgsl::Error,
+) -> Fault {
+    let fault = Fault::new(Cause::Validation, error.to_string());
+    match error {
+        wgsl::Error::Host(name) => {
+            let mut overrides = reflection.overrides.iter();
+            let declared = overrides.find(|item| item.name == *name);
+            let module = declared.and_then(|item| library.module(&item.module));
+            let source = library.source(module.unwrap_or(root));
+            fault
+                .at(source.find(name))
+                .note("rename it: in one shader a name has one meaning")
+        }
+        wgsl::Error::Nameless(_, span) => {
+            let place = span
+                .to_range()
+                .and_then(|range| Some((library.locate(range.start)?, range.len())));
+            match place {
+                Some(((module, start), length)) => {
+                    fault.at(library.source(module).place(start..start + length))
+                }
+                None => fault.at(library.source(root).place(0..0)),
+            }
+        }
+        wgsl::Error::Naga(_) => fault.at(library.source(root).place(0..0)),
     }
 }
 

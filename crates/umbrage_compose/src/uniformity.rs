@@ -23,7 +23,7 @@ use naga::{
 
 use crate::{
     Fault,
-    diagnostics::{Places, Rule},
+    diagnostics::{Places, Rule, severity_name},
 };
 use graph::{Graph, Node};
 use walk::Walk;
@@ -374,7 +374,10 @@ impl Check<'_> {
                             if requirement.severity == Severity::Error {
                                 return Err(fault);
                             }
-                            self.told.push(fault);
+                            let severity = severity_name(requirement.severity);
+                            let note =
+                                format!("no error: a filter makes its severity `{severity}`");
+                            self.told.push(fault.note(note));
                         }
                     }
                     graph::Leaf::Differs(_) => {}
