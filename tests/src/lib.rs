@@ -1,13 +1,17 @@
-//! What the tests of every permutation share: a scene that a key chooses, and an oracle for its shadow
-//! term that uses nothing of the GPU.
+//! What the tests of every permutation share: a scene that a key chooses, an oracle for its shadow
+//! term that uses nothing of the GPU, and Dawn, which says what WebGPU takes.
 
 mod air;
 mod colored;
+mod dawn;
 mod maps;
 mod oracle;
+mod random;
 mod stage;
 
 pub use colored::{colored_package, registry};
+pub use dawn::Dawn;
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
+pub use random::random_shader;
 pub use stage::{Stage, stage};

@@ -30,6 +30,8 @@ struct Report {
     /// How many keys failed.
     failed: usize,
     faults: Vec<ReportedFault>,
+    /// What does no harm, but is worth telling, with its source lines.
+    warnings: Vec<String>,
 }
 
 /// One fault, however many permutations it was found in.
@@ -56,6 +58,8 @@ struct Shared {
     composer: Composer,
     /// What each permutation came to.
     outcomes: BTreeMap<Key, Option<Error>>,
+    /// What they warn of.
+    warnings: BTreeSet<String>,
 }
 
 /// All keys that were checked, and the faults found.
@@ -84,6 +88,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
     let report = findings.report();
     if args.json {
         print_json(&report)?;
+    }
+    for warning in &report.warnings {
+        eprintln!("warning: {warning}");
     }
     for fault in &report.faults {
         eprintln!("error: {}  = fails when {}\n", fault.rendered, fault.cause);
@@ -114,13 +121,22 @@ impl Shared {
         let outcomes: Vec<_> = new
             .into_par_iter()
             .map(|key| {
-                let outcome = composer.compose(&key);
+                let outcome = composer.compose(&key).map(|composed| composed.warnings);
                 bar.inc(1);
-                (key, outcome.err())
+                (key, outcome)
             })
             .collect();
         bar.finish_and_clear();
-        self.outcomes.extend(outcomes);
+        for (key, outcome) in outcomes {
+            let error = match outcome {
+                Ok(warnings) => {
+                    self.warnings.extend(warnings);
+                    None
+                }
+                Err(error) => Some(error),
+            };
+            self.outcomes.insert(key, error);
+        }
     }
 }
 
@@ -137,6 +153,7 @@ impl Findings {
                 packages: manifest.packages().clone(),
                 composer: Composer::new(manifest.library().clone(), target),
                 outcomes: BTreeMap::new(),
+                warnings: BTreeSet::new(),
             });
             self.shared.len() - 1
         });
@@ -230,7 +247,13 @@ impl Findings {
                 rendered: fault.to_string(),
             }
         };
+        let warnings: BTreeSet<_> = self
+            .shared
+            .iter()
+            .flat_map(|shared| shared.warnings.clone())
+            .collect();
         Report {
+            warnings: warnings.into_iter().collect(),
             keys: self.subjects.len(),
             permutations: self.shared.iter().map(|shared| shared.outcomes.len()).sum(),
             failed,

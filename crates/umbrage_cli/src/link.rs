@@ -20,6 +20,9 @@ pub(crate) fn link(args: &LinkArgs) -> Result<ExitCode> {
         Target::default(),
     )
     .with_context(|| format!("{} cannot be linked", args.file.display()))?;
+    for warning in &permutation.warnings {
+        eprintln!("warning: {warning}");
+    }
     print(&permutation.wgsl()?)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use umbrage::compose::{Composer, Error, Key, Manifest};
+use umbrage::compose::{Composed, Composer, Error, Key, Manifest};
 
 use crate::{
     args::PrebuildArgs,
@@ -63,6 +63,8 @@ struct Built {
     wgsl: String,
     spv: Option<Vec<u8>>,
     reflection: String,
+    /// What to tell of it.
+    warnings: Vec<String>,
     /// What SPIR-V does not hold of it.
     lost: Lost,
 }
@@ -104,6 +106,13 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
         );
     }
     tell_lost(permutations.values());
+    let warnings: BTreeSet<_> = permutations
+        .values()
+        .flat_map(|built| &built.warnings)
+        .collect();
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
     let count = permutations.len();
     let index = Index {
         format: FORMAT.to_owned(),
@@ -163,7 +172,11 @@ fn build(path: &Path) -> Result<Vec<(Vec<Key>, Built)>> {
 
 impl Built {
     fn new(composer: &Composer, key: &Key) -> Result<Self> {
-        let permutation = composer.compose(key)?.permutation;
+        let Composed {
+            permutation,
+            warnings,
+            ..
+        } = composer.compose(key)?;
         let wgsl = permutation.wgsl()?;
         let overrides = &permutation.reflection.overrides;
         let (spv, lost) = match permutation.spirv() {
@@ -194,6 +207,7 @@ impl Built {
         }
         let hash = hasher.finalize().to_hex();
         Ok(Self {
+            warnings,
             stem: hash[..STEM].to_owned(),
             wgsl,
             spv,

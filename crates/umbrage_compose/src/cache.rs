@@ -8,7 +8,8 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Permutation, Reflection, Target,
+    Error, Key, Library, Limit, Permutation, Reflection, Target,
+    diagnostics::Written,
     permutation::validate,
     project::Dependencies,
     store::{Kind, Look, Store},
@@ -31,6 +32,8 @@ struct EntryOut<'a> {
     key: &'a Key,
     module: &'a Module,
     reflection: &'a Reflection,
+    warnings: &'a [String],
+    written: &'a Written,
 }
 
 #[derive(Deserialize)]
@@ -38,6 +41,8 @@ struct EntryIn {
     key: Key,
     module: Module,
     reflection: Reflection,
+    warnings: Vec<String>,
+    written: Written,
 }
 
 impl DiskCache {
@@ -61,6 +66,10 @@ impl DiskCache {
         part(NAGA_VERSION.as_bytes());
         part(target.name().as_bytes());
         part(&target.capabilities().bits().to_le_bytes());
+        for limit in Limit::ALL {
+            part(&target.limit(*limit).to_le_bytes());
+        }
+        part(&[u8::from(target.has_vertex_writes())]);
         part(key.to_string().as_bytes());
         // What the choices ask of the linker may change with the axes, and the key stay the same.
         for (axis, effect) in library.axes().effects(key) {
@@ -91,6 +100,8 @@ impl DiskCache {
             key: &permutation.key,
             module: &permutation.module,
             reflection: &permutation.reflection,
+            warnings: &permutation.warnings,
+            written: &permutation.written,
         };
         match postcard::to_stdvec(&entry) {
             Ok(payload) => self.0.keep(name, &payload),
@@ -110,5 +121,7 @@ fn decode(payload: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'s
         module: entry.module,
         info,
         reflection: entry.reflection,
+        warnings: entry.warnings,
+        written: entry.written,
     })
 }

@@ -39,7 +39,7 @@ pub struct Composer {
 #[derive(Debug)]
 struct Entry {
     prepared: Arc<Prepared>,
-    /// Shared by entries of the same text.
+    /// Shared by entries of the same text and filters.
     unit: Arc<OnceLock<Result<Arc<Unit>, Refusal>>>,
 }
 
@@ -51,7 +51,7 @@ pub struct Composed {
     /// Where it came from.
     pub source: Source,
     /// What is worth telling, though it did no harm: damaged cache entries, a cache that cannot be
-    /// written to.
+    /// written to, and the permutation's own, when it is composed or loaded.
     pub warnings: Vec<String>,
 }
 
@@ -153,6 +153,7 @@ impl Composer {
                 Look::Found(permutation) => {
                     let permutation = Arc::new(permutation);
                     self.remember(&projected, &permutation);
+                    warnings.extend(permutation.warnings.iter().cloned());
                     return Ok(Composed {
                         permutation,
                         source: Source::Disk,
@@ -186,6 +187,7 @@ impl Composer {
         if let Some((disk, name)) = &name {
             warnings.extend(disk.keep(name, &permutation));
         }
+        warnings.extend(permutation.warnings.iter().cloned());
         let permutation = Arc::new(permutation);
         self.remember(&projected, &permutation);
         Ok(Composed {
@@ -268,10 +270,14 @@ impl Composer {
         if let Some(entry) = agrees(&entries) {
             return Ok(entry);
         }
-        let same_text = entries
+        let same = |entry: &&Arc<Entry>| {
+            let known = &entry.prepared;
+            known.text == prepared.text && known.filters == prepared.filters
+        };
+        let unit = entries
             .iter()
-            .find(|entry| entry.prepared.text == prepared.text);
-        let unit = same_text.map_or_else(Arc::default, |entry| entry.unit.clone());
+            .find(same)
+            .map_or_else(Arc::default, |entry| entry.unit.clone());
         let entry = Arc::new(Entry { prepared, unit });
         entries.push(entry.clone());
         Ok(entry)

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use naga::{
-    Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner,
-    diagnostic_filter::DiagnosticFilterNode,
-};
+use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
 
 use crate::{Fault, link::Linker, unit::Unit};
 
@@ -236,29 +233,12 @@ impl Linker<'_> {
         Ok(copied)
     }
 
-    pub(crate) fn filter(
-        &mut self,
-        module: usize,
-        unit: &Arc<Unit>,
-        handle: Handle<DiagnosticFilterNode>,
-    ) -> Handle<DiagnosticFilterNode> {
-        if let Some(done) = self.maps.entry(module).or_default().filters.get(&handle) {
-            return *done;
-        }
-        let mut node = unit.module.diagnostic_filters[handle].clone();
-        node.parent = node.parent.map(|parent| self.filter(module, unit, parent));
-        let copied = self.out.diagnostic_filters.append(node, Span::UNDEFINED);
-        self.maps
-            .entry(module)
-            .or_default()
-            .filters
-            .insert(handle, copied);
-        copied
-    }
-
     /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
     pub(crate) fn shifted(&self, module: usize, span: Span) -> Span {
         let source = self.targets.library.source(module);
-        crate::unit::shifted(span, source.base, source.text.len())
+        match self.targets.unit(module) {
+            Ok(unit) => crate::unit::shifted(span, source.base, &unit.own),
+            Err(_) => Span::UNDEFINED,
+        }
     }
 }

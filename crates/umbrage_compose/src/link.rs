@@ -7,12 +7,13 @@ use std::{cell::RefCell, sync::Arc};
 
 use naga::{
     Arena, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module,
-    Override, Statement, Type, TypeInner, diagnostic_filter::DiagnosticFilterNode,
+    Override, Statement, Type, TypeInner,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library, bindings,
+    diagnostics::Filters,
     instances::{self, Call, Origins},
     interface,
     library::Request,
@@ -36,6 +37,8 @@ pub(crate) struct Linked {
     pub(crate) module: Module,
     pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
+    /// The diagnostic filters of each module that was taken from.
+    pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
 }
 
 /// The units of the modules in hand.
@@ -184,7 +187,6 @@ pub(crate) struct Maps {
     pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Handle<Override>>,
     pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
-    pub(crate) filters: FxHashMap<Handle<DiagnosticFilterNode>, Handle<DiagnosticFilterNode>>,
 }
 
 pub(crate) struct Linker<'a> {
@@ -253,10 +255,15 @@ impl Linker<'_> {
             calls: &self.targets.calls()?,
         })?;
         bindings::allocate(library, &mut self.out, &owners)?;
+        let taken = self.targets.taken.into_inner();
+        let filters = taken
+            .into_iter()
+            .map(|(module, unit)| (module, unit.filters.clone()));
         Ok(Linked {
             module: self.out,
             owners,
             overrides,
+            filters: filters.collect(),
         })
     }
 
@@ -415,9 +422,6 @@ impl Linker<'_> {
         for (_, local) in function.local_variables.iter_mut() {
             local.ty = self.ty(module, unit, local.ty)?;
         }
-        function.diagnostic_filter_leaf = function
-            .diagnostic_filter_leaf
-            .map(|leaf| self.filter(module, unit, leaf));
         let roots = private_roots(&unit.module, original);
         let dead: Vec<_> = roots
             .iter()

@@ -15,7 +15,11 @@ use crate::{
 /// the file's own folder.
 ///
 /// What naga's IR does not keep is folded into what uses it, and not printed: aliases, constants without
-/// a concrete type (`const A = 1;`), assertions, and a module's diagnostic directives.
+/// a concrete type (`const A = 1;`) and assertions.
+///
+/// A module's diagnostic directives hold for that module's functions: they are printed as directives where all
+/// functions agree, and as attributes of functions otherwise. Attributes of statements become those of the
+/// blocks within; where a statement's condition needs one, of the block around it.
 ///
 /// # Errors
 /// Faults in the modules, features that nothing reads, and modules that do not exist.

@@ -9,8 +9,14 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target, link::Linked, names::Item, overrides,
-    reflect::reflect, wgsl,
+    Cause, Error, Fault, Key, Library, Reflection, Target,
+    diagnostics::{Places, Written},
+    link::Linked,
+    names::Item,
+    overrides,
+    reflect::reflect,
+    rules::Subject,
+    uniformity, wgsl,
 };
 
 /// A linked and validated shader.
@@ -18,12 +24,17 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
-    /// The shader, in naga's IR.
+    /// The shader, in naga's IR. It has no words for diagnostic filters, without which a browser may refuse what
+    /// its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
     /// What naga's validator found out.
     pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
+    /// What is worth telling of it, though it does no harm: what the authors' diagnostic filters make less
+    /// than an error, and rules that WGSL does not have.
+    pub warnings: Vec<String>,
+    pub(crate) written: Written,
 }
 
 impl Permutation {
@@ -33,6 +44,13 @@ impl Permutation {
         key: Key,
         (root, linked): (usize, Linked),
     ) -> Result<Self, Fault> {
+        let subject = Subject {
+            library,
+            target,
+            root,
+            module: &linked.module,
+        };
+        subject.check_before_validation()?;
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
         let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
@@ -41,17 +59,26 @@ impl Permutation {
         });
         let owner = |handle| linked.owners.get(&handle).map(declared);
         let reflection = reflect(&linked.module, &info, owner, settable);
-        target.check(library, &reflection)?;
+        subject.check(&info, &reflection)?;
+        let places = Places {
+            library,
+            filters: &linked.filters,
+        };
+        let mut told = places.idle_filters();
+        told.extend(uniformity::check(&linked.module, &places)?);
+        let written = Written::new(&linked.module, &places);
         if wgsl::is_doubtful(&linked.module)
-            && let Err(error) = wgsl::write(&linked.module, &info)
+            && let Err(error) = wgsl::write(&linked.module, &info, &written)
         {
             return Err(wgsl_fault(library, root, &reflection, &error));
         }
         Ok(Self {
+            warnings: told.iter().map(ToString::to_string).collect(),
             key,
             module: linked.module,
             info,
             reflection,
+            written,
         })
     }
 
@@ -61,7 +88,8 @@ impl Permutation {
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        wgsl::write(&self.module, &self.info).map_err(|error| self.unwritable("WGSL", &error))
+        wgsl::write(&self.module, &self.info, &self.written)
+            .map_err(|error| self.unwritable("WGSL", &error))
     }
 
     /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides are constants of
@@ -150,7 +178,9 @@ pub(crate) fn validate(
     module: &Module,
     target: &Target,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
-    Validator::new(ValidationFlags::all(), target.capabilities()).validate(module)
+    // Uniformity is decided as the specification has it, which naga does not (`uniformity`).
+    let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
+    Validator::new(flags, target.capabilities()).validate(module)
 }
 
 fn validation_fault(

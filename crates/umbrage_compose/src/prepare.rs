@@ -11,6 +11,8 @@ use wgsl_parse::{lexer::Token, syntax::GlobalDeclaration};
 
 use crate::{
     Fault, Library,
+    diagnostics::Filters,
+    extensions::Extensions,
     features::{Consulted, Features},
     names::{self, Item, Meaning, Translations, declared},
     stubs::{self, JOINT, Stubs},
@@ -20,10 +22,13 @@ use crate::{
 /// A module's text, ready for naga.
 #[derive(Debug)]
 pub(crate) struct Prepared {
-    /// The author's text, every byte that stays in its place, then the stand-ins.
+    /// What others' declarations need enabled, the author's text, every byte that stays in its place, and
+    /// the stand-ins.
     pub(crate) text: String,
-    /// How much of it is the author's.
-    pub(crate) own: usize,
+    /// What of it is the author's.
+    pub(crate) own: Range<usize>,
+    /// What is enabled for others' declarations, and the module that asks for it.
+    pub(crate) lent: BTreeMap<String, usize>,
     pub(crate) stubs: Stubs,
     /// The modules that it, or what stands in for others' declarations, takes something from.
     pub(crate) modules: BTreeSet<usize>,
@@ -33,6 +38,8 @@ pub(crate) struct Prepared {
     pub(crate) known: Vec<String>,
     /// The features that the text depends on.
     pub(crate) consulted: Consulted,
+    /// The diagnostic filters, which are not in the text.
+    pub(crate) filters: Arc<Filters>,
 }
 
 /// Prepares `module` under `features`.
@@ -56,15 +63,19 @@ pub(crate) fn prepare(
         }
     }
     let source = library.source(module);
+    let tokens = &library.syntax(module)?.tokens;
+    let filters = Filters::read(source, tokens, &translated.blanks)?;
     let mut text = source.text.as_bytes().to_vec();
-    for range in &translated.blanks {
-        for byte in &mut text[range.clone()] {
+    let extensions = Extensions::read(source, tokens, &translated.blanks);
+    let blanks = translated.blanks.iter().cloned().chain(filters.written());
+    for range in blanks.chain(extensions.blanks) {
+        for byte in &mut text[range] {
             if *byte != b'\n' {
                 *byte = b' ';
             }
         }
     }
-    for path in written_paths(&library.syntax(module)?.tokens, &translated.blanks) {
+    for path in written_paths(tokens, &translated.blanks) {
         let segments: Vec<_> = path
             .segments
             .iter()
@@ -94,8 +105,21 @@ pub(crate) fn prepare(
         .filter_map(|d| declared(d))
         .collect();
     // Whole characters were blanked, so this changes nothing.
-    let mut text = String::from_utf8_lossy(&text).into_owned();
-    let own = text.len();
+    let own_text = String::from_utf8_lossy(&text);
+    let mut lent = BTreeMap::new();
+    for other in stubs.items.values().map(|item| item.module) {
+        let blanks = &translations.translated(other)?.blanks;
+        let tokens = &library.syntax(other)?.tokens;
+        let asked = Extensions::read(library.source(other), tokens, blanks).enabled;
+        lent.extend(asked.into_iter().map(|name| (name, other)));
+    }
+    lent.retain(|name, _| !extensions.enabled.contains(name));
+    let mut text: String = lent
+        .keys()
+        .map(|name| format!("enable {name};\n"))
+        .collect();
+    let own = text.len()..text.len() + own_text.len();
+    text.push_str(&own_text);
     text.push('\n');
     text.push_str(&stubs.text);
     let mut interfaces = BTreeSet::new();
@@ -111,9 +135,11 @@ pub(crate) fn prepare(
         modules: stubs.items.values().map(|item| item.module).collect(),
         text,
         own,
+        lent,
         stubs,
         interfaces,
         consulted: translations.consulted,
+        filters: Arc::new(filters),
     })
 }
 

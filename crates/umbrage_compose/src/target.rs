@@ -1,19 +1,21 @@
 //! Targets: what a device offers.
 
-use std::fmt;
+mod limits;
+
+use std::{collections::BTreeMap, fmt};
 
 use naga::valid::Capabilities;
 
-use crate::{
-    Cause, Fault, Library,
-    reflect::{BindingKind, Reflection, Stage},
-};
+pub use limits::Limit;
 
 /// What permutations are validated against.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Target {
     name: String,
     capabilities: Capabilities,
+    /// Those that are not WebGPU's.
+    limits: BTreeMap<Limit, u64>,
+    vertex_writes: bool,
 }
 
 impl Default for Target {
@@ -29,19 +31,32 @@ impl Target {
         let capabilities = Capabilities::CUBE_ARRAY_TEXTURES
             | Capabilities::MULTISAMPLED_SHADING
             | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
-        Self {
-            name: "webgpu".to_owned(),
-            capabilities,
-        }
+        Self::new("webgpu", capabilities)
     }
 
-    /// A device of its own: `name` tells it from others, `capabilities` are what naga asks for. The
-    /// limits are WebGPU's, which every device has at the least.
+    /// A device of its own: `name` tells it from others, `capabilities` are what naga asks for. Its limits
+    /// are WebGPU's, which every device has at the least, until others are given.
     pub fn new(name: impl Into<String>, capabilities: Capabilities) -> Self {
         Self {
             name: name.into(),
             capabilities,
+            limits: BTreeMap::new(),
+            vertex_writes: false,
         }
+    }
+
+    /// The same device with `value` for `limit`.
+    #[must_use]
+    pub fn with_limit(mut self, limit: Limit, value: u64) -> Self {
+        self.limits.insert(limit, value);
+        self
+    }
+
+    /// The same device, whose vertex stages may write to storage buffers and textures.
+    #[must_use]
+    pub fn with_vertex_writes(mut self) -> Self {
+        self.vertex_writes = true;
+        self
     }
 
     /// Its name.
@@ -54,84 +69,15 @@ impl Target {
         self.capabilities
     }
 
-    /// Checks what naga does not: WebGPU's default limits.
-    pub(crate) fn check(&self, library: &Library, reflection: &Reflection) -> Result<(), Fault> {
-        for binding in &reflection.bindings {
-            let at = |fault: Fault| match library.module(&binding.module) {
-                Some(module) => fault.at(library.source(module).find(&binding.name)),
-                None => fault,
-            };
-            self.limit("bind groups are needed", binding.group + 1, 4)
-                .map_err(at)?;
-            if let BindingKind::Uniform(layout) = &binding.kind {
-                self.limit("bytes are in a uniform buffer", layout.size, 65_536)
-                    .map_err(at)?;
-            }
-        }
-        for stage in [Stage::Vertex, Stage::Fragment, Stage::Compute] {
-            self.check_stage(library, reflection, stage)?;
-        }
-        for entry in &reflection.entry_points {
-            let what = format!("vertex inputs are read by `{}`", entry.name);
-            self.limit(&what, entry.inputs.len() as u32, 16)?;
-        }
-        Ok(())
+    /// The value of `limit`.
+    pub fn limit(&self, limit: Limit) -> u64 {
+        let given = self.limits.get(&limit).copied();
+        given.unwrap_or_else(|| limit.webgpu())
     }
 
-    fn check_stage(
-        &self,
-        library: &Library,
-        reflection: &Reflection,
-        stage: Stage,
-    ) -> Result<(), Fault> {
-        type IsKind = fn(&BindingKind) -> bool;
-        let kinds: [(&str, u32, IsKind); 5] = [
-            ("textures are read", 16, |kind| {
-                matches!(kind, BindingKind::Texture { .. })
-            }),
-            ("samplers are used", 16, |kind| {
-                matches!(kind, BindingKind::Sampler { .. })
-            }),
-            ("uniform buffers are read", 12, |kind| {
-                matches!(kind, BindingKind::Uniform(_))
-            }),
-            ("storage buffers are used", 8, |kind| {
-                matches!(kind, BindingKind::Storage { .. })
-            }),
-            ("storage textures are used", 4, |kind| {
-                matches!(kind, BindingKind::StorageTexture { .. })
-            }),
-        ];
-        for (what, most, kind) in kinds {
-            let used = reflection
-                .bindings
-                .iter()
-                .filter(|binding| binding.stages.contains(&stage));
-            let used: Vec<_> = used.filter(|binding| kind(&binding.kind)).collect();
-            let what = format!(
-                "{what} in the {} stage",
-                format!("{stage:?}").to_lowercase()
-            );
-            self.limit(&what, used.len() as u32, most)
-                .map_err(|fault| {
-                    let last = used
-                        .last()
-                        .and_then(|last| Some((library.module(&last.module)?, last)));
-                    match last {
-                        Some((module, last)) => fault.at(library.source(module).find(&last.name)),
-                        None => fault,
-                    }
-                })?;
-        }
-        Ok(())
-    }
-
-    fn limit(&self, what: &str, found: u32, most: u32) -> Result<(), Fault> {
-        if found <= most {
-            return Ok(());
-        }
-        let message = format!("{found} {what}, but the target `{}` has {most}", self.name);
-        Err(Fault::new(Cause::Validation, message).note("use fewer, or pack them together"))
+    /// Whether vertex stages may write to storage buffers and textures.
+    pub fn has_vertex_writes(&self) -> bool {
+        self.vertex_writes
     }
 }
 

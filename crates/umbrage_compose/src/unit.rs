@@ -1,13 +1,16 @@
 //! Units: modules as naga parsed them, each by itself, ready to be copied from.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
 use rustc_hash::FxHashMap;
 
-use crate::{Cause, Fault, Library, error::nearest, names::Item, prepare::Prepared, stubs::JOINT};
+use crate::{
+    Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
+    rules::check_text, stubs::JOINT,
+};
 
 /// A module as naga parsed it.
 #[derive(Debug)]
@@ -31,6 +34,10 @@ pub(crate) struct Unit {
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
+    /// What of the text that naga parsed is the author's.
+    pub(crate) own: Range<usize>,
+    /// The module's diagnostic filters.
+    pub(crate) filters: Arc<Filters>,
 }
 
 /// What a function does, as far as it matters for leaving things out.
@@ -60,9 +67,26 @@ pub(crate) fn parse(
     module: usize,
     prepared: &Prepared,
 ) -> Result<Unit, Refusal> {
-    let parsed = naga::front::wgsl::parse_str(&prepared.text)
+    let mut parsed = naga::front::wgsl::parse_str(&prepared.text)
         .map_err(|error| parse_fault(library, module, prepared, &error))?;
     let source = library.source(module);
+    let functions = parsed.functions.iter_mut().map(|(_, function)| function);
+    let entries = parsed.entry_points.iter_mut();
+    for function in functions.chain(entries.map(|entry| &mut entry.function)) {
+        if function.result.is_some() {
+            drop_added_returns(&mut function.body);
+        }
+    }
+    check_text(&parsed, &prepared.text).map_err(|problem| {
+        let span = shifted(problem.span, 0, &prepared.own).to_range();
+        let place = source.place(span.unwrap_or(0..0));
+        Refusal {
+            fault: Fault::new(Cause::Validation, problem.message)
+                .at(place)
+                .note(problem.advice),
+            blamed: None,
+        }
+    })?;
     let item = |name: &Option<String>| {
         let name = name.clone().unwrap_or_default();
         prepared
@@ -122,6 +146,8 @@ pub(crate) fn parse(
             .collect(),
         facts: Vec::new(),
         entry_facts: Vec::new(),
+        own: prepared.own.clone(),
+        filters: prepared.filters.clone(),
         module: parsed,
         functions,
         globals,
@@ -142,25 +168,26 @@ pub(crate) fn parse(
         .map(|e| facts(&unit.module, &e.function))
         .collect();
     for (_, function) in unit.module.functions.iter_mut() {
-        shift_function(function, source.base, prepared.own);
+        shift_function(function, source.base, &prepared.own);
     }
     for entry in &mut unit.module.entry_points {
-        shift_function(&mut entry.function, source.base, prepared.own);
+        shift_function(&mut entry.function, source.base, &prepared.own);
     }
     Ok(unit)
 }
 
 /// `span` of a module's text, counted from the start of the library's.
-pub(crate) fn shifted(span: Span, base: usize, own: usize) -> Span {
+pub(crate) fn shifted(span: Span, base: usize, own: &Range<usize>) -> Span {
     match span.to_range() {
-        Some(range) if range.end <= own => {
-            Span::new((range.start + base) as u32, (range.end + base) as u32)
+        Some(range) if own.start <= range.start && range.end <= own.end => {
+            let shift = |at: usize| (at - own.start + base) as u32;
+            Span::new(shift(range.start), shift(range.end))
         }
         _ => Span::UNDEFINED,
     }
 }
 
-fn shift_function(function: &mut Function, base: usize, own: usize) {
+fn shift_function(function: &mut Function, base: usize, own: &Range<usize>) {
     let mut expressions = naga::Arena::new();
     for (_, expression, span) in function.expressions.drain() {
         expressions.append(expression, shifted(span, base, own));
@@ -174,7 +201,22 @@ fn shift_function(function: &mut Function, base: usize, own: usize) {
     shift_block(&mut function.body, base, own);
 }
 
-fn shift_block(block: &mut Block, base: usize, own: usize) {
+/// Takes out the `return` that naga ends a function with where its author did not. It gives no value, and where
+/// the end cannot be reached none is due; where it can, `rules::flow` says so.
+fn drop_added_returns(block: &mut Block) {
+    let last = block.span_iter().last();
+    let added = last.is_some_and(|(statement, span)| {
+        matches!(statement, Statement::Return { value: None }) && span.to_range().is_none()
+    });
+    if added {
+        block.cull(block.len() - 1..);
+    }
+    if let Some(last) = block.last_mut() {
+        for_each_block(last, &mut drop_added_returns);
+    }
+}
+
+fn shift_block(block: &mut Block, base: usize, own: &Range<usize>) {
     for (statement, span) in block.span_iter_mut() {
         if let Some(span) = span {
             *span = shifted(*span, base, own);
@@ -323,8 +365,10 @@ fn parse_fault(
     let mut fault = Fault::new(cause, message.clone());
     for (span, label) in error.labels() {
         if let Some(range) = span.to_range()
-            && range.start < prepared.own
+            && prepared.own.contains(&range.start)
         {
+            let start = prepared.own.start;
+            let range = range.start - start..range.end - start;
             fault = fault.at(source.place_labelled(range, plain(label)));
         }
     }
@@ -334,11 +378,15 @@ fn parse_fault(
         let stub = error.labels().next().and_then(|(span, _)| span.to_range());
         let line = stub.and_then(|range| {
             let text = &prepared.text;
-            let start = text[..range.start.min(text.len())].rfind('\n')? + 1;
+            let start = text[..range.start.min(text.len())]
+                .rfind('\n')
+                .map_or(0, |at| at + 1);
             text[start..].lines().next()
         });
         fault = fault.at(source.place(0..0));
-        if let Some(line) = line {
+        if let Some(line) = line.and_then(|line| line.strip_prefix("enable ")) {
+            blamed = prepared.lent.get(line.trim_end_matches(';')).copied();
+        } else if let Some(line) = line {
             let mut words = line.split(|c: char| c.is_whitespace() || "(:<>={;,".contains(c));
             blamed = words
                 .find_map(|word| prepared.stubs.items.get(word))
@@ -348,6 +396,15 @@ fn parse_fault(
     }
     for note in error.notes() {
         fault = fault.note(plain(note));
+    }
+    let unknown = [
+        "Not implemented as constant expression",
+        "to a concrete type",
+    ];
+    if unknown.iter().any(|words| message.contains(words)) {
+        fault = fault.note(
+            "naga does not evaluate every function of constants: call it within a function, and give an argument a type, as in `1.0f`",
+        );
     }
     // Naga names what it does not know; the nearest known name is most of the help.
     if let Some(unknown) = message

@@ -11,6 +11,7 @@
 //! - *Expressions of overrides.* At module scope the writer has words for values alone. Such an expression is
 //!   told by a function made for it, which a writer has words for, and taken from its text.
 //! - *Lengths of arrays* that are overrides: a number stands for each until the text is there.
+//! - *Diagnostic filters*, and the extension `subgroups`, of which its IR knows nothing (`diagnostics`).
 //! - *Layouts.* The writer leaves `@size` and `@align` out. Every member that is followed by more room than
 //!   it needs says so by `@size`, which fixes all offsets.
 
@@ -26,6 +27,8 @@ use naga::{
     keywords::wgsl::BUILTIN_IDENTIFIERS,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
+
+use crate::diagnostics::{Written, uses_subgroups};
 
 use self::{
     marks::{Length, Marked, Scope, Size},
@@ -60,8 +63,20 @@ pub(crate) fn is_doubtful(module: &Module) -> bool {
     predeclared.any(nameless) || names.any(|name| BUILTIN_IDENTIFIERS.contains(&name.as_str()))
 }
 
-/// The valid `module` as WGSL.
-pub(crate) fn write(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
+/// The valid `module` as WGSL, with the diagnostic filters that are `written` in it.
+pub(crate) fn write(
+    module: &Module,
+    info: &ModuleInfo,
+    written: &Written,
+) -> Result<String, Error> {
+    let text = written.annotate(&write_module(module, info)?);
+    Ok(match uses_subgroups(module) {
+        true => format!("enable subgroups;\n{text}"),
+        false => text,
+    })
+}
+
+fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
     let naga = |error: &dyn std::error::Error| Error::Naga(error.to_string());
     let mut marked = Marked::new(module).map_err(|error| naga(&error))?;
     if let Some((variable, span)) = marked.undeclarable.take() {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pollster::block_on;
-use umbrage_compose::Target;
+use umbrage_compose::{Limit, Target};
 
 /// A device to render with, without a window.
 pub struct Gpu {
@@ -104,7 +104,15 @@ impl Gpu {
             adapter.features(),
             adapter.get_downlevel_capabilities().flags,
         );
-        Ok(Target::new("vulkan", capabilities))
+        let target = limits(&adapter.limits()).fold(
+            Target::new("vulkan", capabilities),
+            |target, (limit, value)| target.with_limit(limit, value),
+        );
+        let writes = wgpu::Features::VERTEX_WRITABLE_STORAGE;
+        Ok(match adapter.features().contains(writes) {
+            true => target.with_vertex_writes(),
+            false => target,
+        })
     }
 
     /// The adapter's name.
@@ -251,6 +259,75 @@ impl Gpu {
     }
 }
 
+/// What the composer checks of wgpu's limits.
+fn limits(limits: &wgpu::Limits) -> impl Iterator<Item = (Limit, u64)> {
+    let counts = [
+        (Limit::BindGroups, limits.max_bind_groups),
+        (
+            Limit::BindingsPerBindGroup,
+            limits.max_bindings_per_bind_group,
+        ),
+        (
+            Limit::SampledTexturesPerStage,
+            limits.max_sampled_textures_per_shader_stage,
+        ),
+        (
+            Limit::SamplersPerStage,
+            limits.max_samplers_per_shader_stage,
+        ),
+        (
+            Limit::StorageBuffersPerStage,
+            limits.max_storage_buffers_per_shader_stage,
+        ),
+        (
+            Limit::StorageTexturesPerStage,
+            limits.max_storage_textures_per_shader_stage,
+        ),
+        (
+            Limit::UniformBuffersPerStage,
+            limits.max_uniform_buffers_per_shader_stage,
+        ),
+        (Limit::VertexAttributes, limits.max_vertex_attributes),
+        (
+            Limit::InterStageShaderVariables,
+            limits.max_inter_stage_shader_variables,
+        ),
+        (Limit::ColorAttachments, limits.max_color_attachments),
+        (
+            Limit::ComputeWorkgroupStorageSize,
+            limits.max_compute_workgroup_storage_size,
+        ),
+        (
+            Limit::ComputeInvocationsPerWorkgroup,
+            limits.max_compute_invocations_per_workgroup,
+        ),
+        (
+            Limit::ComputeWorkgroupSizeX,
+            limits.max_compute_workgroup_size_x,
+        ),
+        (
+            Limit::ComputeWorkgroupSizeY,
+            limits.max_compute_workgroup_size_y,
+        ),
+        (
+            Limit::ComputeWorkgroupSizeZ,
+            limits.max_compute_workgroup_size_z,
+        ),
+    ];
+    let sizes = [
+        (
+            Limit::UniformBufferBindingSize,
+            limits.max_uniform_buffer_binding_size,
+        ),
+        (
+            Limit::StorageBufferBindingSize,
+            limits.max_storage_buffer_binding_size,
+        ),
+    ];
+    let counts = counts.map(|(limit, count)| (limit, u64::from(count)));
+    counts.into_iter().chain(sizes)
+}
+
 /// The machine's Vulkan adapter. Probing other backends as well would print noise.
 fn find_adapter() -> Result<wgpu::Adapter, GpuError> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -278,6 +355,17 @@ pub(crate) fn one_line(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Wgpu's default limits are WebGPU's, so the two tables must agree, and none may be missing.
+    #[test]
+    fn each_limit_is_the_devices_own() {
+        let told: Vec<_> = limits(&wgpu::Limits::default()).collect();
+        for limit in Limit::ALL {
+            let value = told.iter().find(|(known, _)| known == limit);
+            assert_eq!(value, Some(&(*limit, limit.webgpu())), "{}", limit.name());
+        }
+        assert_eq!(told.len(), Limit::ALL.len());
+    }
 
     #[test]
     fn what_the_device_refuses_is_an_error() {

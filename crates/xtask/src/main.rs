@@ -4,6 +4,7 @@
 //! This crate knows nothing of wgpu, so that it builds in seconds; whether the machine can render it
 //! learns from `umbrage adapter`.
 
+mod dawn;
 mod demo;
 mod run;
 mod setup;

@@ -3,6 +3,7 @@
 use anyhow::Result;
 
 use crate::{
+    dawn::set_up_dawn,
     run::{Steps, cargo},
     setup::{set_up_tests, set_up_tools},
 };
@@ -14,14 +15,17 @@ pub(crate) fn test() -> Result<()> {
     set_up_tools()?;
     steps.run("formatting", &mut cargo(&["fmt", "--all", "--check"]))?;
     steps.begin("set-up");
+    let dawn = set_up_dawn()?;
     set_up_tests()?;
     // The whole workspace: the benchmarks are no default member, and are only checked here.
     let mut clippy = cargo(&["clippy", "--workspace", "--all-targets"]);
     steps.run("lints", clippy.args(["--", "-D", "warnings"]))?;
-    steps.run(
-        "tests, doc tests included",
-        &mut cargo(&["test", "--no-fail-fast"]),
-    )?;
+    let mut tests = cargo(&["test", "--no-fail-fast"]);
+    if dawn {
+        // Without it they would be passed over, and nobody notice.
+        tests.env("UMBRAGE_DAWN", "on");
+    }
+    steps.run("tests, doc tests included", &mut tests)?;
     let mut doc = cargo(&["doc", "--no-deps"]);
     steps.run("documentation", doc.env("RUSTDOCFLAGS", "-D warnings"))?;
     eprintln!("all checks passed");

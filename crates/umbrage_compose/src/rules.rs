@@ -1,0 +1,128 @@
+//! WebGPU's and WGSL's rules that naga does not check, one a file.
+//!
+//! Each is a function of the linked module that gives the first fault, at its author's place. Dawn is the oracle:
+//! the tests hold every verdict against its own (`tests/dawn`).
+
+mod abstracts;
+mod aliases;
+mod constants;
+mod flow;
+mod limits;
+mod stages;
+mod value;
+mod varyings;
+
+use naga::{EntryPoint, Function, GlobalVariable, Handle, Module, Span, valid::ModuleInfo};
+
+use crate::{Cause, Fault, Library, Reflection, Target, target::Limit};
+
+use constants::Constants;
+
+/// What is wrong in a module's text.
+pub(crate) struct Problem {
+    pub(crate) span: Span,
+    pub(crate) message: String,
+    pub(crate) advice: &'static str,
+}
+
+/// Checks what a module must keep by itself, whatever it is linked with; `text` is what naga parsed it from.
+pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
+    let constants = Constants::new(module)?;
+    for function in functions(module) {
+        flow::check(function)?;
+        constants.check(function)?;
+        abstracts::check(function, text)?;
+    }
+    aliases::check(module)
+}
+
+/// All functions, entry points last.
+fn functions(module: &Module) -> impl Iterator<Item = &Function> {
+    let entries = module.entry_points.iter().map(|entry| &entry.function);
+    let functions = module.functions.iter().map(|(_, function)| function);
+    functions.chain(entries)
+}
+
+/// A linked module, and what it is checked for.
+pub(crate) struct Subject<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) target: &'a Target,
+    /// The module that the entry points are in.
+    pub(crate) root: usize,
+    pub(crate) module: &'a Module,
+}
+
+impl<'a> Subject<'a> {
+    /// Checks what naga's validator would refuse without saying which limit it is.
+    pub(crate) fn check_before_validation(&self) -> Result<(), Fault> {
+        limits::workgroup_sizes(self, &self.constants()?)
+    }
+
+    /// Checks a valid module; `info` and `reflection` are its.
+    pub(crate) fn check(&self, info: &ModuleInfo, reflection: &Reflection) -> Result<(), Fault> {
+        // Again, now that calls lead into other modules.
+        aliases::check(self.module).map_err(|problem| self.fault(problem))?;
+        stages::check(self, info)?;
+        varyings::check(self)?;
+        limits::check(self, info, reflection, &self.constants()?)
+    }
+
+    fn constants(&self) -> Result<Constants<'a>, Fault> {
+        Constants::new(self.module).map_err(|problem| self.fault(problem))
+    }
+
+    fn fault(&self, problem: Problem) -> Fault {
+        self.at(problem.span, problem.message).note(problem.advice)
+    }
+
+    /// A fault at `span` of the linked module.
+    fn at(&self, span: Span, message: impl Into<String>) -> Fault {
+        let fault = Fault::new(Cause::Validation, message);
+        let place = span.to_range().filter(|range| !range.is_empty());
+        match place.and_then(|range| Some((self.library.locate(range.start)?, range.len()))) {
+            Some(((module, start), length)) => {
+                fault.at(self.library.source(module).place(start..start + length))
+            }
+            None => fault.at(self.library.source(self.root).place(0..0)),
+        }
+    }
+
+    /// A fault of the entry point `entry`, at the word `word` of its module or else at its name.
+    fn at_entry(&self, entry: &EntryPoint, word: &str, message: impl Into<String>) -> Fault {
+        let source = self.library.source(self.root);
+        let mut place = source.find(word);
+        if place.range.is_empty() {
+            place = source.find(&entry.name);
+        }
+        Fault::new(Cause::Validation, message).at(place)
+    }
+
+    /// A fault of the variable `handle`, at its name.
+    fn at_variable(&self, handle: Handle<GlobalVariable>, message: impl Into<String>) -> Fault {
+        let span = self.module.global_variables.get_span(handle);
+        let name = self.module.global_variables[handle].name.as_deref();
+        let module = span
+            .to_range()
+            .and_then(|range| self.library.locate(range.start));
+        match module {
+            Some((module, _)) => {
+                let place = self.library.source(module).find(name.unwrap_or(""));
+                Fault::new(Cause::Validation, message).at(place)
+            }
+            None => self.at(span, message),
+        }
+    }
+
+    /// That `found`, of which `what` tells what it is, is within `limit`.
+    fn limit(&self, limit: Limit, found: u64, what: &str) -> Result<(), String> {
+        let most = self.target.limit(limit);
+        if found <= most {
+            return Ok(());
+        }
+        Err(format!(
+            "{found} {what}, but `{}` of the target `{}` is {most}",
+            limit.name(),
+            self.target
+        ))
+    }
+}

@@ -1,0 +1,9 @@
+// Dawn: takes it
+// Umbrage: can't be passed into functions
+var<workgroup> w: atomic<i32>;
+fn f(a: ptr<workgroup, atomic<i32>>) -> i32 {
+    return atomicLoad(a) + atomicLoad(&w);
+}
+@compute @workgroup_size(1) fn cs() {
+    let r = f(&w);
+}

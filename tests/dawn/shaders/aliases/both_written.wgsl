@@ -1,0 +1,10 @@
+// Dawn: refuses it: invalid aliased pointer argument
+// Umbrage: point into `x`
+fn f(a: ptr<function, i32>, b: ptr<function, i32>) {
+    *a = 1;
+    *b = 2;
+}
+@compute @workgroup_size(1) fn cs() {
+    var x = 1;
+    f(&x, &x);
+}

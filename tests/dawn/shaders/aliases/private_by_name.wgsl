@@ -1,0 +1,9 @@
+// Dawn: refuses it: invalid aliased pointer argument
+// Umbrage: uses by name
+var<private> v: i32;
+fn f(a: ptr<private, i32>) {
+    *a = v;
+}
+@compute @workgroup_size(1) fn cs() {
+    f(&v);
+}

@@ -1,0 +1,12 @@
+// Dawn: refuses it: invalid aliased pointer argument
+// Umbrage: `g`
+fn f(a: ptr<function, i32>, b: ptr<function, i32>) {
+    *a = *b;
+}
+fn g(a: ptr<function, i32>, b: ptr<function, i32>) {
+    f(a, b);
+}
+@compute @workgroup_size(1) fn cs() {
+    var x = 1;
+    g(&x, &x);
+}

@@ -1,0 +1,9 @@
+// Dawn: refuses it: invalid aliased pointer argument
+// Umbrage: two arguments of `f` point into `x`
+fn f(a: ptr<function, i32>, b: ptr<function, i32>) {
+    *a = *b;
+}
+@compute @workgroup_size(1) fn cs() {
+    var x = 1;
+    f(&x, &x);
+}

@@ -1,0 +1,9 @@
+// Dawn: takes it
+fn f(a: ptr<function, i32>, b: ptr<function, i32>) {
+    *a = *b;
+}
+@compute @workgroup_size(1) fn cs() {
+    var x = 1;
+    var y = 2;
+    f(&x, &y);
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: '9223372036854775807 + 1' cannot be represented as 'abstract-int'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = 9223372036854775807 + 1;
+}

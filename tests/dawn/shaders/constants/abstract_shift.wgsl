@@ -1,0 +1,7 @@
+// Dawn: refuses it: value 1090921693184 cannot be represented as 'i32'
+// Umbrage: no `i32`
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = 127 << 33u;
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: value 2147483648 cannot be represented as 'i32'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = i32(2147483648);
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: integer division by zero is invalid
+@compute @workgroup_size(1) fn cs() {
+    if false {
+        let r = 1 / 0;
+    }
+}

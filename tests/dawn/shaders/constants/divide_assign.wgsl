@@ -1,0 +1,6 @@
+// Dawn: refuses it: integer division by zero is invalid
+// Umbrage: divided
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    n /= 0u;
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: e^100.0 cannot be represented as 'f32'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = exp(100.0f);
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: 'offset' + 'count' must be less than or equal to the bit width of 'e'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = extractBits(7u, 30u, 5u);
+}

@@ -1,0 +1,8 @@
+// Dawn: refuses it: 'offset' + 'count' must be less than or equal to the bit width of 'e'
+// Umbrage: extractBits
+const OFFSET = 30u;
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = extractBits(n, OFFSET, 5u);
+}

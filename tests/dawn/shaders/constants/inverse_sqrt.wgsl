@@ -1,0 +1,6 @@
+// Dawn: refuses it: inverseSqrt must be called with a value > 0
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = inverseSqrt(0.0);
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: value 510423550381407695195061911147652317184.0 cannot be represented as 'f32'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = ldexp(1.5, 128);
+}

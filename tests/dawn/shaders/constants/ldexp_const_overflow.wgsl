@@ -1,0 +1,6 @@
+// Dawn: refuses it: value 850705917302346158658436518579420528640.0 cannot be represented as 'f32'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = ldexp(2.5, 128);
+}

@@ -1,0 +1,8 @@
+// Dawn: refuses it: An error occurred while running Null writer
+// Umbrage: divided
+override o = 0u;
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = n % o;
+}

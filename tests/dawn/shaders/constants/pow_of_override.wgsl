@@ -1,0 +1,8 @@
+// Dawn: refuses it: An error occurred while running Null writer
+// Umbrage: `pow` of
+override o = -2.0;
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = pow(o, 2.0);
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: value 65505.0 cannot be represented as 'f16'
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = quantizeToF16(65505.0);
+}

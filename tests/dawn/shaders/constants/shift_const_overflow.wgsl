@@ -1,0 +1,6 @@
+// Dawn: refuses it: mixing '<<' and '<<' requires parenthesis
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = 1u << 31u << 1u;
+}

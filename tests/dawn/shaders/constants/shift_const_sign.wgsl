@@ -1,0 +1,6 @@
+// Dawn: refuses it: shift left operation results in sign change
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = 1i << 31u;
+}

@@ -1,0 +1,7 @@
+// Dawn: refuses it: '-300000000549775575777803994281145270272.0 - 300000000549775575777803994281145270272.0' cannot be represented as 'f32'
+// Umbrage: smoothstep
+@compute @workgroup_size(1) fn cs() {
+    var n = 5u;
+    var f = 1.5f;
+    let r = smoothstep(3e38f, -3e38f, 1.0);
+}

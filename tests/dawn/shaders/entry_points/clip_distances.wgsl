@@ -1,0 +1,10 @@
+// Dawn: refuses it: extension 'clip_distances' is not allowed in the current environment
+enable clip_distances;
+struct G {
+    @builtin(position) p: vec4f,
+    @builtin(clip_distances) c: array<f32, 4>,
+}
+@vertex fn vs() -> G {
+    var g: G;
+    return g;
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: extension 'f16' is not allowed in the current environment
+enable f16;
+@fragment fn fs() -> @location(0) vec4f {
+    let a = 1.0h;
+    return vec4f(f32(a));
+}

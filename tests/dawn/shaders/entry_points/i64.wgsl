@@ -1,0 +1,4 @@
+// Dawn: refuses it: expected ';' for variable declaration
+@fragment fn fs() {
+    let a: i64 = 1li;
+}

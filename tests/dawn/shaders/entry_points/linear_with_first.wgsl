@@ -1,0 +1,2 @@
+// Dawn: refuses it: 'first' and 'either' sampling parameters can only be used with flat interpolation
+@fragment fn fs(@location(0) @interpolate(linear, first) a: f32) {}

@@ -1,0 +1,2 @@
+// Dawn: takes it
+@fragment fn fs(@builtin(sample_index) i: u32) {}

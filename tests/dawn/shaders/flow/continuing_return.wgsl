@@ -1,0 +1,8 @@
+// Dawn: refuses it: continuing blocks must not contain a return statement
+@compute @workgroup_size(1) fn cs() {
+    loop {
+        continuing {
+            return;
+        }
+    }
+}

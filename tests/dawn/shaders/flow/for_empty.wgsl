@@ -1,0 +1,6 @@
+// Dawn: refuses it: for-loop does not exit
+// Umbrage: no exit
+@compute @workgroup_size(1) fn cs() {
+    for (;;) {
+    }
+}

@@ -1,0 +1,6 @@
+// Dawn: takes it
+@compute @workgroup_size(1) fn cs() {
+    for (;;) {
+        return;
+    }
+}

@@ -1,0 +1,8 @@
+// Dawn: takes it
+@compute @workgroup_size(1) fn cs() {
+    loop {
+        continuing {
+            break if false;
+        }
+    }
+}

@@ -1,0 +1,10 @@
+// Dawn: refuses it: loop does not exit
+// Umbrage: no exit
+@compute @workgroup_size(1) fn cs() {
+    var i = 0;
+    loop {
+        continuing {
+            i++;
+        }
+    }
+}

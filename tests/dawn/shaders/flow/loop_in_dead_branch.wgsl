@@ -1,0 +1,8 @@
+// Dawn: refuses it: loop does not exit
+// Umbrage: no exit
+@compute @workgroup_size(1) fn cs() {
+    if false {
+        loop {
+        }
+    }
+}

@@ -1,0 +1,9 @@
+// Dawn: refuses it: missing return at end of function
+fn f() -> i32 {
+    loop {
+        break;
+    }
+}
+@compute @workgroup_size(1) fn cs() {
+    let r = f();
+}

@@ -1,0 +1,14 @@
+// Dawn: refuses it: missing return at end of function
+fn f(a: i32) -> i32 {
+    switch a {
+        case 1: {
+            break;
+        }
+        default: {
+            return 2;
+        }
+    }
+}
+@compute @workgroup_size(1) fn cs() {
+    let r = f(1);
+}

@@ -1,0 +1,11 @@
+// Dawn: refuses it: duplicate switch case '1'
+@compute @workgroup_size(1) fn cs() {
+    switch 1 {
+        case 1: {
+        }
+        case 1: {
+        }
+        default: {
+        }
+    }
+}

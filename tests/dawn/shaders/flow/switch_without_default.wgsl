@@ -1,0 +1,7 @@
+// Dawn: refuses it: switch statement must have a default clause
+@compute @workgroup_size(1) fn cs() {
+    switch 1 {
+        case 1: {
+        }
+    }
+}

@@ -1,0 +1,5 @@
+// Dawn: takes it
+@compute @workgroup_size(1) fn cs() {
+    return;
+    let a = 1;
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: index 3 out of bounds [0..2]
+@compute @workgroup_size(1) fn cs() {
+    var a = array<f32, 3>();
+    let p = &a;
+    let r = (*p)[3];
+}

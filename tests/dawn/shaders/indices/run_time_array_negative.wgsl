@@ -1,0 +1,5 @@
+// Dawn: refuses it: index -1 out of bounds
+@group(0) @binding(0) var<storage> s: array<f32>;
+@compute @workgroup_size(1) fn cs() {
+    let r = s[-1];
+}

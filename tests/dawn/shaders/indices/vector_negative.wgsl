@@ -1,0 +1,5 @@
+// Dawn: refuses it: index -1 out of bounds [0..2]
+@compute @workgroup_size(1) fn cs() {
+    var v = vec3f();
+    let r = v[-1];
+}

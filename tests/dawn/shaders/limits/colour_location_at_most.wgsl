@@ -1,0 +1,4 @@
+// Dawn: takes it
+@fragment fn fs() -> @location(7) vec4f {
+    return vec4f();
+}

@@ -1,0 +1,6 @@
+// Dawn: refuses it: const assertion failed
+const A = 3;
+const_assert A < 3;
+@compute @workgroup_size(1) fn cs() {
+    let r = A;
+}

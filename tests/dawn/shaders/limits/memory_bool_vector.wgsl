@@ -1,0 +1,6 @@
+// Dawn: refuses it: The total use of workgroup storage (16400 bytes) is larger than the maximum allowed (16384 bytes).
+// Umbrage: maxComputeWorkgroupStorageSize
+var<workgroup> w: array<vec3<bool>, 1025>;
+@compute @workgroup_size(1) fn cs() {
+    w[0] = vec3<bool>();
+}

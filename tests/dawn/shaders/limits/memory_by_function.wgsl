@@ -1,0 +1,9 @@
+// Dawn: refuses it: The total use of workgroup storage (16400 bytes) is larger than the maximum allowed (16384 bytes).
+// Umbrage: maxComputeWorkgroupStorageSize
+var<workgroup> w: array<f32, 4097>;
+fn f() {
+    w[0] = 1.0;
+}
+@compute @workgroup_size(1) fn cs() {
+    f();
+}

@@ -1,0 +1,3 @@
+// Dawn: refuses it: Entry-point uses workgroup_size(257, 1, 1) that exceeds the maximum allowed (256, 256, 64).
+// Umbrage: maxComputeWorkgroupSizeX
+@compute @workgroup_size(257) fn cs() {}

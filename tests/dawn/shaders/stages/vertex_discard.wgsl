@@ -1,0 +1,5 @@
+// Dawn: refuses it: discard statement cannot be used in vertex pipeline stage
+@vertex fn vs() -> @builtin(position) vec4f {
+    discard;
+    return vec4f();
+}

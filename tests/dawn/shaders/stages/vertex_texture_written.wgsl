@@ -1,0 +1,7 @@
+// Dawn: refuses it: storage texture with 'write' access mode cannot be used by vertex pipeline stage
+// Umbrage: storage texture `s`
+@group(0) @binding(0) var s: texture_storage_2d<r32float, write>;
+@vertex fn vs() -> @builtin(position) vec4f {
+    textureStore(s, vec2i(), vec4f());
+    return vec4f();
+}

@@ -1,0 +1,8 @@
+// Dawn: refuses it: the component argument must be at least 0 and at most 3. component is -1
+@group(0) @binding(0) var t: texture_2d<f32>;
+@group(0) @binding(1) var s: sampler;
+@group(0) @binding(2) var d: texture_depth_2d;
+@group(0) @binding(3) var c: sampler_comparison;
+@fragment fn fs(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    return vec4f(textureGather(-1, t, s, at.xy));
+}

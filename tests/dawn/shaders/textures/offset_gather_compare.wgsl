@@ -1,0 +1,9 @@
+// Dawn: refuses it: each component of the offset argument must be at least -8 and at most 7. offset component 0 is 8
+// Umbrage: offset of 8
+@group(0) @binding(0) var t: texture_2d<f32>;
+@group(0) @binding(1) var s: sampler;
+@group(0) @binding(2) var d: texture_depth_2d;
+@group(0) @binding(3) var c: sampler_comparison;
+@fragment fn fs(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    return vec4f(textureGatherCompare(d, c, at.xy, 0.5, vec2i(8, 0)));
+}

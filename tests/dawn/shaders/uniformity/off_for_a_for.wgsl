@@ -1,0 +1,11 @@
+// Dawn: takes it
+@group(0) @binding(0) var image: texture_2d<f32>;
+@group(0) @binding(1) var at_rest: sampler;
+@fragment fn fs(@location(0) x: f32, @location(1) uv: vec2f) -> @location(0) vec4f {
+    var sum = vec4f();
+    @diagnostic(off, derivative_uniformity)
+    for (var i = 0.0; i < x; i += 1.0) {
+        sum += textureSample(image, at_rest, uv);
+    }
+    return sum;
+}

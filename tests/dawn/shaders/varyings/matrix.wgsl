@@ -1,0 +1,12 @@
+// Dawn: refuses it: cannot apply '@location' to declaration of type 'mat2x2<f32>'
+struct Given {
+    @location(0) a: mat2x2f,
+    @builtin(position) position: vec4f,
+}
+@vertex fn vs() -> Given {
+    var given: Given;
+    return given;
+}
+@fragment fn fs(@location(0) a: mat2x2f) -> @location(0) vec4f {
+    return vec4f();
+}

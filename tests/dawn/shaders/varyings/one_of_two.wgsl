@@ -1,0 +1,15 @@
+// Dawn: takes it
+struct Given {
+    @location(0) a: vec2f,
+    @builtin(position) position: vec4f,
+}
+@vertex fn vs_bare() -> @builtin(position) vec4f {
+    return vec4f();
+}
+@vertex fn vs() -> Given {
+    var given: Given;
+    return given;
+}
+@fragment fn fs(@location(0) a: vec2f) -> @location(0) vec4f {
+    return vec4f(a, a);
+}

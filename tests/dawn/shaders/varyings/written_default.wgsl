@@ -1,0 +1,12 @@
+// Dawn: takes it
+struct Given {
+    @location(0) a: f32,
+    @builtin(position) position: vec4f,
+}
+@vertex fn vs() -> Given {
+    var given: Given;
+    return given;
+}
+@fragment fn fs(@location(0) @interpolate(perspective, center) a: f32) -> @location(0) vec4f {
+    return vec4f();
+}

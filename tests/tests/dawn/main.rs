@@ -1,0 +1,226 @@
+//! What WebGPU takes, and what it refuses: our verdicts held against Dawn's.
+//!
+//! `dawn/shaders` has small shaders, one a file, whose first line says what Dawn says of it (`// Dawn: takes it`,
+//! or `// Dawn: refuses it: WHY`), so that ours are held to it where no Dawn is. A second line `// Umbrage: WORDS`
+//! asks that we refuse it in these words: of what Dawn takes, that is what naga cannot do. `UMBRAGE_BLESS=1` writes
+//! the first lines anew, by Dawn.
+#![allow(
+    clippy::panic,
+    reason = "a test's helpers may fail it, with the error's own words"
+)]
+
+mod random;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use rayon::prelude::*;
+use umbrage::compose::{Composer, Library, Manifest, Package, Target};
+use umbrage_tests::Dawn;
+
+/// A stored shader.
+struct Shader {
+    path: PathBuf,
+    text: String,
+}
+
+impl Shader {
+    /// Why Dawn refuses it, by its first line; none where it takes it.
+    fn stored(&self) -> Option<&str> {
+        let line = self.text.lines().next().unwrap_or("");
+        match line.strip_prefix("// Dawn: refuses it: ") {
+            Some(why) => Some(why),
+            None if line == "// Dawn: takes it" => None,
+            None => panic!(
+                "{}: the first line must say what Dawn says; UMBRAGE_BLESS=1 writes it",
+                self.path.display()
+            ),
+        }
+    }
+
+    /// The words that our refusal must have.
+    fn words(&self) -> Option<&str> {
+        self.text.lines().nth(1)?.strip_prefix("// Umbrage: ")
+    }
+}
+
+fn shaders() -> Vec<Shader> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("dawn/shaders");
+    let mut folders = vec![root];
+    let mut shaders = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "wgsl") {
+                let text = fs::read_to_string(&path).expect("a text");
+                shaders.push(Shader { path, text });
+            }
+        }
+    }
+    shaders.sort_by(|a, b| a.path.cmp(&b.path));
+    assert!(!shaders.is_empty());
+    shaders
+}
+
+/// Why we refuse the shader `text` for WebGPU; none where we take it.
+fn our_refusal(text: &str) -> Option<String> {
+    let axes = r#"(axes: { "pass": (values: { "main": (root: "package::main") }) })"#;
+    let files = [("axes.ron", axes), ("main.wgsl", text)];
+    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    let composed = Package::from_sources("demo", "demo", files)
+        .and_then(|package| Library::new([package]))
+        .and_then(|library| {
+            let key = library.key([("pass", "main")])?;
+            Composer::new(library, Target::webgpu()).compose(&key)
+        });
+    composed.err().map(|error| error.to_string())
+}
+
+/// Every stored shader is taken or refused by us as by Dawn, by its own account.
+#[test]
+fn our_verdicts_are_the_stored_ones() {
+    let wrong: Vec<_> = shaders()
+        .par_iter()
+        .filter_map(|shader| {
+            let path = shader.path.display();
+            match (shader.stored(), shader.words(), our_refusal(&shader.text)) {
+                (None, None, None) => None,
+                (_, Some(words), Some(ours)) if ours.contains(words) => None,
+                (Some(_), None, Some(_)) => None,
+                (dawns, words, ours) => Some(format!(
+                    "{path}: Dawn says {dawns:?}, we are to say {words:?}, and say\n{}",
+                    ours.as_deref().unwrap_or("nothing against it")
+                )),
+            }
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What the stored shaders say of Dawn is so.
+#[test]
+fn the_stored_verdicts_are_dawns() {
+    let bless = std::env::var_os("UMBRAGE_BLESS").is_some();
+    let Some(mut dawn) = Dawn::start() else {
+        return;
+    };
+    let mut wrong = Vec::new();
+    for shader in shaders() {
+        let line = match dawn.refusal(&shader.text) {
+            Some(why) => {
+                let why = why.lines().next().unwrap_or("").trim();
+                let place = why
+                    .split_once(' ')
+                    .filter(|(place, _)| place.chars().all(|c| c.is_ascii_digit() || c == ':'));
+                // The place tells nothing that the text does not.
+                let why = place.map_or(why, |(_, why)| why);
+                format!("// Dawn: refuses it: {why}")
+            }
+            None => "// Dawn: takes it".to_owned(),
+        };
+        let (first, rest) = shader.text.split_once('\n').unwrap_or((&shader.text, ""));
+        if first == line {
+            continue;
+        }
+        if bless {
+            let rest = if first.starts_with("// Dawn: ") {
+                rest
+            } else {
+                &shader.text
+            };
+            fs::write(&shader.path, format!("{line}\n{rest}")).expect("written");
+        } else {
+            wrong.push(format!("{}: {line}", shader.path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Dawn takes every permutation of our library, as we do.
+#[test]
+fn every_permutation_is_taken_by_dawn() {
+    let Some(mut dawn) = Dawn::start() else {
+        return;
+    };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../permutations/all.ron");
+    let manifest = Manifest::load(&path).unwrap_or_else(|error| panic!("{error}"));
+    let composer = Composer::new(manifest.library().clone(), Target::webgpu());
+    let keys: BTreeMap<_, _> = manifest
+        .keys()
+        .iter()
+        .map(|key| {
+            let projected = composer.project(key);
+            (projected.unwrap_or_else(|error| panic!("{error}")), key)
+        })
+        .collect();
+    let texts: Vec<_> = keys
+        .par_iter()
+        .map(|(projected, key)| {
+            let composed = composer.compose(key);
+            let text = composed.and_then(|composed| composed.permutation.wgsl());
+            (projected, text.unwrap_or_else(|error| panic!("{error}")))
+        })
+        .collect();
+    let refused: Vec<_> = texts
+        .iter()
+        .filter_map(|(key, text)| Some(format!("{key}: {}", dawn.refusal(text)?)))
+        .collect();
+    assert!(
+        refused.is_empty(),
+        "{} of {} permutations:\n{}",
+        refused.len(),
+        texts.len(),
+        refused.join("\n")
+    );
+}
+
+/// How many shaders are made at random.
+const RANDOM: u64 = 2000;
+
+/// Of shaders made at random, at the borders of the rules, we take and refuse the same as Dawn.
+#[test]
+fn random_shaders_are_judged_alike() {
+    let Some(mut dawn) = Dawn::start() else {
+        return;
+    };
+    // Others than these, and more, by hand.
+    let number = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
+    let first: u64 = number("UMBRAGE_FIRST_SEED").unwrap_or(0);
+    let count = number("UMBRAGE_SEEDS").unwrap_or(RANDOM);
+    let judged: Vec<_> = (first..first + count)
+        .into_par_iter()
+        .map(|seed| {
+            let text = random::shader(seed);
+            (seed, our_refusal(&text), text)
+        })
+        .collect();
+    let mut refused = 0;
+    let mut wrong = Vec::new();
+    for (seed, ours, text) in judged {
+        let dawns = dawn.refusal(&text);
+        refused += u32::from(dawns.is_some());
+        // Naga evaluates few functions of constants that have no type; we say so where it does not.
+        let untyped = ours
+            .as_ref()
+            .is_some_and(|ours| ours.contains("naga does not evaluate"));
+        if !untyped && ours.is_some() != dawns.is_some() {
+            wrong.push(format!("{seed}: Dawn says {dawns:?}, we {ours:?}\n{text}"));
+        }
+    }
+    // A generator that makes one kind alone would tell nothing.
+    assert!(
+        refused > count as u32 / 5 && refused < count as u32 * 4 / 5,
+        "{refused}"
+    );
+    assert!(
+        wrong.is_empty(),
+        "{} of {count}, of which {refused} are refused:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}
