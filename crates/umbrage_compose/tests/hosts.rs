@@ -262,7 +262,7 @@ fn overrides_at_their_defaults() {
         format!(
             "override N: u32 = {length};\nvar<workgroup> wide: array<f32, N * 2u>;\noverride M: u32 = N + 1u;\n\
              var<workgroup> tile: array<f32, N>;\noverride L: u32 = M * 2u;\nvar<workgroup> long: array<f32, L - M>;\n\
-             @compute @workgroup_size(N, M) fn cs(@builtin(local_invocation_index) i: u32) {{ wide[i] = f32(L); tile[i % N] = wide[i]; long[i] = 1.0; }}\n"
+             @compute @workgroup_size(N, M) fn cs(@builtin(local_invocation_index) i: u32) {{ wide[i] = f32(L); tile[i] = wide[i]; long[i] = 1.0; }}\n"
         )
     };
     let (_, module) = printed(&[("main.wesl", &shader("4u"))]);
