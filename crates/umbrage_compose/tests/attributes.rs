@@ -29,8 +29,11 @@ fn parse(text: &str) -> Module {
     naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
+/// A member's name, offset and place between stages.
+type Member = (String, u32, String);
+
 /// Each struct's members with their offsets and places between stages, and its size.
-fn structs(module: &Module) -> BTreeSet<(Vec<(String, u32, String)>, u32)> {
+fn structs(module: &Module) -> BTreeSet<(Vec<Member>, u32)> {
     let structs = module.types.iter().filter_map(|(_, ty)| match &ty.inner {
         TypeInner::Struct { members, span } => {
             let members = members.iter().map(|member| {
