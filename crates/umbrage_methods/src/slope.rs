@@ -2,8 +2,9 @@
 //!
 //! A filter asks a map about places beside the receiver, where the receiver's own plane is nearer to the light or
 //! farther: by s texels' widths a texel, the tangent of the angle between light and normal. What is compared
-//! follows the plane. The four texels of one fetch are compared with one depth, though, each within a texel of its tap; so what is
-//! compared leans towards the light by |s|₁, the sum over both axes, which none of the plane's own texels exceeds.
+//! follows the plane. The four texels of one fetch are compared with one depth, though, each within a texel of its
+//! tap; so what is compared leans towards the light by |s|₁, the sum over both axes, which none of the plane's own
+//! texels exceeds.
 //!
 //! What leans misses what shades the receiver from nearer: |s|₁ texels along the ray, which is a texel or so off the
 //! plane, but has no end at the horizon. So from [`STEEPEST`] on only a share c of the slope is followed, and a map is
@@ -11,12 +12,13 @@
 //!
 //! (1 − c) · (W + 1) / 2 · |s|₁ / |s| texels,
 //!
-//! towards where the plane falls away from the light. That is enough: a tap at t, each coordinate within
-//! (W − 1) / 2, compares the receiver's depth + c s · t + c |s|₁ with texels at t + e, each coordinate of e within 1, where
-//! the plane is at s · (t + e). Without the step the plane were nearer by (1 − c) |s|₁ · (W + 1) / 2 at the most; a step d
-//! puts it deeper by |s| d. So no texel of a plane shades it, at any angle, and what is missed is bounded twice: along the ray
-//! by [`STEEPEST`], and off the plane by the step, √2 (W + 1) / 2 texels at the horizon. The step is a normal offset in
-//! the map's own units; there is no length to choose for it. A map's own edge may cut it short.
+//! towards where the plane falls away from the light. That is enough: a tap at t, each coordinate within (W − 1) /
+//! 2, compares the receiver's depth + c s · t + c |s|₁ with texels at t + e, each coordinate of e within 1, where
+//! the plane is at s · (t + e). Without the step the plane were nearer by (1 − c) |s|₁ · (W + 1) / 2 at the most; a
+//! step d puts it deeper by |s| d. So no texel of a plane shades it, at any angle, and what is missed is bounded
+//! twice: along the ray by [`STEEPEST`], and off the plane by the step, √2 (W + 1) / 2 texels at the horizon. The
+//! step is a normal offset in the map's own units; there is no length to choose for it. A map's own edge may cut it
+//! short.
 //!
 //! # Which slope
 //! What follows a plane loses the near ends of shadows, where what shades is within |s|₁ along the ray; what steps aside
@@ -35,8 +37,8 @@
 //! | `grazing-89`, basic | 35.88 / 0.30 | 0.05 / 1.63 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 |
 //! | `grazing-89`, basic 15 | 33.23 / 0.25 | 0.02 / 9.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.07 / 4.01 | 0.07 / 4.01 |
 //!
-//! Of the light that reaches the wall 5 cm behind the lamp, all this is little: 0.95 % were falsely dark, 0.01 % are. What is
-//! left in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
+//! Of the light that reaches the wall 5 cm behind the lamp, all this is little: 0.95 % were falsely dark, 0.01 %
+//! are. What is left in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
 
 use glam::DVec2;
 
