@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use umbrage::compose::{Composed, Composer, Key, Manifest};
+use umbrage::compose::{Composed, Composer, Error, Key, Manifest};
 
 use crate::{
     args::PrebuildArgs,
@@ -52,7 +52,8 @@ struct Index {
 #[serde(deny_unknown_fields)]
 struct Files {
     wgsl: String,
-    spv: String,
+    /// None where overrides have no defaults that SPIR-V could hold.
+    spv: Option<String>,
     reflection: String,
 }
 
@@ -60,10 +61,21 @@ struct Files {
 struct Built {
     stem: String,
     wgsl: String,
-    spv: Vec<u8>,
+    spv: Option<Vec<u8>>,
     reflection: String,
     /// What to tell of it.
     warnings: Vec<String>,
+    /// What SPIR-V does not hold of it.
+    lost: Lost,
+}
+
+/// What SPIR-V does not hold of a permutation.
+enum Lost {
+    Nothing,
+    /// That these overrides can be set.
+    Overrides(Vec<String>),
+    /// Anything: why.
+    All(Error),
 }
 
 pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
@@ -100,6 +112,7 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
+    tell_lost(permutations.values());
     let count = permutations.len();
     let index = Index {
         format: FORMAT.to_owned(),
@@ -111,6 +124,32 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
     })?;
     eprintln!("{count} permutations are in {}", args.out.display());
     Ok(ExitCode::SUCCESS)
+}
+
+/// Tells what is in the permutations' WGSL alone.
+fn tell_lost<'a>(permutations: impl Iterator<Item = &'a Built>) {
+    let (mut fixed, mut overrides) = (0, BTreeSet::new());
+    for built in permutations {
+        match &built.lost {
+            Lost::Nothing => {}
+            Lost::Overrides(names) => {
+                fixed += 1;
+                overrides.extend(names);
+            }
+            Lost::All(error) => eprintln!("no SPIR-V of {}: {error}", built.files().wgsl),
+        }
+    }
+    if fixed > 0 {
+        let names: Vec<_> = overrides
+            .into_iter()
+            .map(|name| format!("`{name}`"))
+            .collect();
+        eprintln!(
+            "{} can be set in the WGSL alone: the SPIR-V of {fixed} permutations has overrides at their defaults, as \
+             naga writes no specialisation constants",
+            names.join(", "),
+        );
+    }
 }
 
 /// Composes each permutation of a manifest once.
@@ -139,16 +178,29 @@ impl Built {
             ..
         } = composer.compose(key)?;
         let wgsl = permutation.wgsl()?;
-        let spv: Vec<u8> = permutation
-            .spirv()?
-            .into_iter()
-            .flat_map(u32::to_le_bytes)
-            .collect();
+        let overrides = &permutation.reflection.overrides;
+        let (spv, lost) = match permutation.spirv() {
+            Ok(words) => {
+                let bytes = words.into_iter().flat_map(u32::to_le_bytes).collect();
+                let names = overrides.iter().map(|item| item.name.clone());
+                match overrides.is_empty() {
+                    true => (Some(bytes), Lost::Nothing),
+                    false => (Some(bytes), Lost::Overrides(names.collect())),
+                }
+            }
+            // A host that takes the WGSL sets them.
+            Err(error) if !overrides.is_empty() => (None, Lost::All(error)),
+            Err(error) => return Err(error.into()),
+        };
         let mut reflection = serde_json::to_string_pretty(&permutation.reflection)?;
         reflection.push('\n');
         // Named by content: equal permutations of several manifests are one, and nothing else is.
         let mut hasher = blake3::Hasher::new();
-        for part in [wgsl.as_bytes(), &spv, reflection.as_bytes()] {
+        for part in [
+            wgsl.as_bytes(),
+            spv.as_deref().unwrap_or_default(),
+            reflection.as_bytes(),
+        ] {
             hasher
                 .update(&(part.len() as u64).to_le_bytes())
                 .update(part);
@@ -160,6 +212,7 @@ impl Built {
             wgsl,
             spv,
             reflection,
+            lost,
         })
     }
 
@@ -167,7 +220,7 @@ impl Built {
         let name = |extension| format!("{}.{extension}", self.stem);
         Files {
             wgsl: name("wgsl"),
-            spv: name("spv"),
+            spv: self.spv.as_ref().map(|_| name("spv")),
             reflection: name("json"),
         }
     }
@@ -211,7 +264,9 @@ fn write_files<'a>(
     for built in permutations {
         let files = built.files();
         store(folder, &files.wgsl, &built.wgsl)?;
-        store(folder, &files.spv, &built.spv)?;
+        if let (Some(file), Some(spv)) = (&files.spv, &built.spv) {
+            store(folder, file, spv)?;
+        }
         store(folder, &files.reflection, &built.reflection)?;
     }
     let mut text = serde_json::to_string_pretty(index)?;

@@ -83,11 +83,15 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Override>,
     ) -> Result<Handle<Override>, Fault> {
-        let item = &unit.overrides[&handle];
-        if let Some(done) = self.overrides.get(item) {
+        if let Some(done) = self.maps.entry(module).or_default().overrides.get(&handle) {
             return Ok(*done);
         }
-        if item.module != module {
+        // An array's length that is an expression is an override without a name.
+        let item = unit.overrides.get(&handle);
+        if let Some(done) = item.and_then(|item| self.overrides.get(item)) {
+            return Ok(*done);
+        }
+        if let Some(item) = item.filter(|item| item.module != module) {
             let owner = self.targets.unit(item.module)?;
             let own = owner
                 .overrides
@@ -110,7 +114,15 @@ impl Linker<'_> {
         };
         let span = self.shifted(module, unit.module.overrides.get_span(handle));
         let copied = self.out.overrides.append(copied, span);
-        self.overrides.insert(item.clone(), copied);
+        match item {
+            Some(item) => self.overrides.insert(item.clone(), copied),
+            None => self
+                .maps
+                .entry(module)
+                .or_default()
+                .overrides
+                .insert(handle, copied),
+        };
         Ok(copied)
     }
 

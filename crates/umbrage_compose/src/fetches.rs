@@ -176,7 +176,7 @@ fn blocks(statement: &Statement) -> Vec<&Block> {
 }
 
 /// The functions that `function` calls.
-fn callees(function: &Function) -> Vec<Handle<Function>> {
+pub(crate) fn callees(function: &Function) -> Vec<Handle<Function>> {
     let mut callees = Vec::new();
     let mut waiting = vec![&function.body];
     while let Some(block) = waiting.pop() {

@@ -57,6 +57,12 @@
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
 //! are put at their defaults. Keys of one projection are one permutation.
 //!
+//! # What a host knows by name
+//! In a permutation's [WGSL](Permutation::wgsl), entry points, overrides and structs' members have their authors' names,
+//! and resources have those of the [`Reflection`]. Overrides stay overrides, what is worked out from them too; in
+//! [SPIR-V](Permutation::spirv) they are constants of their defaults. Faults are: two overrides of one name or number that
+//! are not one declaration, and two implementations of an interface side by side that would share a resource.
+//!
 //! # Counted fetches
 //! What a pixel costs is best counted where it is spent. A value of an axis may ask that a function be
 //! called before each texture fetch:
@@ -84,6 +90,7 @@ mod error;
 mod extensions;
 mod features;
 mod fetches;
+mod instances;
 mod interface;
 mod key;
 mod library;

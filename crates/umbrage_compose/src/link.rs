@@ -14,6 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::{
     Cause, Fault, Library, bindings,
     diagnostics::Filters,
+    instances::{self, Call, Origins},
     interface,
     library::Request,
     names::Item,
@@ -120,6 +121,26 @@ impl Targets<'_> {
         Ok(target)
     }
 
+    /// The calls that were followed, by modules and then as their units number what they call.
+    fn calls(&self) -> Result<Vec<Call>, Fault> {
+        let mut calls = Vec::new();
+        for (&(module, called), &target) in &self.known {
+            let unit = self.unit(module)?;
+            let item = &unit.functions[&called];
+            let name = unit.module.functions[called].name.clone();
+            let name = name.unwrap_or_default();
+            calls.push(Call {
+                module,
+                alias: instances::alias(self.library, &name, item),
+                name,
+                by_interface: item.module != target.0,
+                target,
+            });
+        }
+        calls.sort_by(|a, b| (a.module, &a.name).cmp(&(b.module, &b.name)));
+        Ok(calls)
+    }
+
     /// The module that has `item`'s body: of an interface's function, the one that is bound.
     fn implementation(&mut self, caller: usize, item: &Item) -> Result<usize, Fault> {
         let source = self.library.source(item.module);
@@ -164,6 +185,7 @@ impl Targets<'_> {
 pub(crate) struct Maps {
     pub(crate) types: Vec<Option<Handle<Type>>>,
     pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
+    pub(crate) overrides: FxHashMap<Handle<Override>, Handle<Override>>,
     pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
 }
 
@@ -206,6 +228,7 @@ impl Linker<'_> {
                 }
             }
         }
+        let functions = places(&self.functions, &self.out.functions);
         let globals = places(&self.globals, &self.out.global_variables);
         let overrides = places(&self.overrides, &self.out.overrides);
         if self.dropped && self.roots == Roots::EntryPoints {
@@ -214,8 +237,23 @@ impl Linker<'_> {
         }
         let library = self.targets.library;
         let overrides = owners(overrides, &self.out.overrides);
-        let owners = owners(globals, &self.out.global_variables);
         overrides::check(library, root, &self.out, &overrides)?;
+        let functions = owners(functions, &self.out.functions);
+        let owners = owners(globals, &self.out.global_variables);
+        let mut names = FxHashMap::default();
+        for id in functions.values() {
+            let unit = self.targets.unit(id.0)?;
+            names.insert(*id, unit.functions[&id.1].name.clone());
+        }
+        instances::check(&Origins {
+            library,
+            root,
+            module: &self.out,
+            functions: &functions,
+            names: &names,
+            variables: &owners,
+            calls: &self.targets.calls()?,
+        })?;
         bindings::allocate(library, &mut self.out, &owners)?;
         let taken = self.targets.taken.into_inner();
         let filters = taken
@@ -467,7 +505,7 @@ impl Linker<'_> {
 }
 
 /// The place of each item's copy, which is how it is known after compaction has renumbered `copies`.
-fn places<T>(items: &FxHashMap<Item, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, Item> {
+fn places<K: Clone, T>(items: &FxHashMap<K, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, K> {
     let items = items.iter();
     items
         .filter_map(|(item, handle)| Some((copies.get_span(*handle).to_range()?, item.clone())))
@@ -475,7 +513,7 @@ fn places<T>(items: &FxHashMap<Item, Handle<T>>, copies: &Arena<T>) -> FxHashMap
 }
 
 /// Which item each of `copies` came from.
-fn owners<T>(mut places: FxHashMap<Place, Item>, copies: &Arena<T>) -> FxHashMap<Handle<T>, Item> {
+fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap<Handle<T>, K> {
     let copies = copies
         .iter()
         .map(|(handle, _)| (handle, copies.get_span(handle)));

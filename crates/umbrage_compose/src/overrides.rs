@@ -1,11 +1,17 @@
 //! Overrides: what a host sets by its name or number.
 
-use std::collections::{BTreeMap, btree_map::Entry};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, btree_map::Entry},
+};
 
 use naga::{
     EntryPoint, Expression, Function, Handle, Literal, LocalVariable, Module, Scalar, ScalarKind,
     ShaderStage, Span, Statement, TypeInner,
-    back::{PipelineConstants, pipeline_constants::process_overrides},
+    back::{
+        PipelineConstants,
+        pipeline_constants::{PipelineConstantError, process_overrides},
+    },
     valid::ModuleInfo,
 };
 use rustc_hash::FxHashMap;
@@ -123,11 +129,14 @@ fn clash(library: &Library, called: &str, earlier: &Known<'_>, later: &Item) -> 
     let path = |module: usize| &library.source(module).path;
     match earlier {
         Known::Override(earlier) => {
-            let message = format!(
-                "`{}` and `{}` both have an override {called}, and a host that sets it sets one alone",
-                path(earlier.module),
-                path(later.module)
-            );
+            let message = match (path(earlier.module), path(later.module)) {
+                (module, other) if module == other => format!(
+                    "`{module}` has two overrides {called}, and a host that sets it sets one alone"
+                ),
+                (module, other) => format!(
+                    "`{module}` and `{other}` both have an override {called}, and a host that sets it sets one alone"
+                ),
+            };
             Fault::new(Cause::Validation, message)
                 .at(place(later, ""))
                 .at(place(earlier, "the other"))
@@ -148,6 +157,28 @@ fn clash(library: &Library, called: &str, earlier: &Known<'_>, later: &Item) -> 
                 .note("a host knows both by their names: rename one of them")
         }
     }
+}
+
+/// `module` with all overrides at their defaults.
+pub(crate) fn resolved<'a>(
+    module: &'a Module,
+    info: &'a ModuleInfo,
+) -> Result<(Cow<'a, Module>, Cow<'a, ModuleInfo>), PipelineConstantError> {
+    let constants = PipelineConstants::default();
+    let is_nameless = |item: &naga::Override| item.name.is_none() && item.id.is_none();
+    if !module.overrides.iter().any(|(_, item)| is_nameless(item)) {
+        return process_overrides(module, info, None, &constants);
+    }
+    // Naga passes over what has no name, and then takes one override for another.
+    let mut named = module.clone();
+    for (_, item) in named.overrides.iter_mut() {
+        item.name.get_or_insert_with(|| "length".to_owned());
+    }
+    let (module, info) = process_overrides(&named, info, None, &constants)?;
+    Ok((
+        Cow::Owned(module.into_owned()),
+        Cow::Owned(info.into_owned()),
+    ))
 }
 
 /// What a host may set in a valid `module`, by names.
@@ -226,8 +257,7 @@ fn default(module: &Module, info: &ModuleInfo, handle: Handle<naga::Override>) -
     function.body.push(store, Span::UNDEFINED);
     let mut alone = without_code(module);
     alone.entry_points.push(entry_point(function, None));
-    let constants = PipelineConstants::default();
-    let (resolved, _) = process_overrides(&alone, info, None, &constants).ok()?;
+    let (resolved, _) = resolved(&alone, info).ok()?;
     // What it is worked out from is left as well, and comes before it.
     let (_, last) = resolved.overrides.iter().last()?;
     match resolved.global_expressions[last.init?] {

@@ -2,10 +2,7 @@
 
 use naga::{
     Module, Statement, WithSpan,
-    back::{
-        PipelineConstants,
-        pipeline_constants::{PipelineConstantError, process_overrides},
-    },
+    back::pipeline_constants::PipelineConstantError,
     valid::{
         EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
     },
@@ -70,6 +67,11 @@ impl Permutation {
         let mut told = places.idle_filters();
         told.extend(uniformity::check(&linked.module, &places)?);
         let written = Written::new(&linked.module, &places);
+        if wgsl::has_predeclared_hosts(&linked.module)
+            && let Err(error @ wgsl::Error::Host(_)) = wgsl::write(&linked.module, &info, &written)
+        {
+            return Err(host_fault(library, root, &reflection, &error));
+        }
         Ok(Self {
             warnings: told.iter().map(ToString::to_string).collect(),
             key,
@@ -102,8 +104,7 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let constants = PipelineConstants::default();
-        let (module, info) = process_overrides(&self.module, &self.info, None, &constants)
+        let (module, info) = overrides::resolved(&self.module, &self.info)
             .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
@@ -137,6 +138,24 @@ impl Permutation {
         .key(&self.key)
         .into()
     }
+}
+
+/// A host's name that cannot be kept in WGSL, where it is declared.
+fn host_fault(
+    library: &Library,
+    root: usize,
+    reflection: &Reflection,
+    error: &wgsl::Error,
+) -> Fault {
+    let mut fault = Fault::new(Cause::Validation, error.to_string())
+        .note("rename it: in one shader a name has one meaning");
+    if let wgsl::Error::Host(name) = error {
+        let mut overrides = reflection.overrides.iter();
+        let declared = overrides.find(|item| item.name == *name);
+        let module = declared.and_then(|item| library.module(&item.module));
+        fault = fault.at(library.source(module.unwrap_or(root)).find(name));
+    }
+    fault
 }
 
 /// Validates against what `target` offers.

@@ -82,7 +82,7 @@ pub struct Binding {
     pub binding: u32,
     /// The module that declares it, as `package::folder::module`.
     pub module: String,
-    /// Its name in that module.
+    /// Its name in that module; in the permutation's WGSL, too, unless another module's resource has it there.
     pub name: String,
     /// The stages that use it.
     pub stages: Vec<Stage>,

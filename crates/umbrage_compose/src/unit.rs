@@ -22,7 +22,7 @@ pub(crate) struct Unit {
     pub(crate) globals: FxHashMap<Handle<GlobalVariable>, Item>,
     /// What each named constant is.
     pub(crate) constants: FxHashMap<Handle<naga::Constant>, Item>,
-    /// What each override is.
+    /// What each named override is.
     pub(crate) overrides: FxHashMap<Handle<naga::Override>, Item>,
     /// The module's own functions.
     pub(crate) own_functions: FxHashMap<String, Handle<Function>>,
@@ -109,6 +109,7 @@ pub(crate) fn parse(
     let overrides = parsed
         .overrides
         .iter()
+        .filter(|(_, o)| o.name.is_some())
         .map(|(handle, o)| (handle, item(&o.name)))
         .collect();
     let constants = parsed

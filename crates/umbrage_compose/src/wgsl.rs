@@ -23,7 +23,8 @@ use std::borrow::Cow;
 
 use naga::{
     Module,
-    back::wgsl::{Error, WriterFlags, write_string},
+    back::wgsl::{WriterFlags, write_string},
+    keywords::wgsl::BUILTIN_IDENTIFIERS,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
@@ -33,6 +34,26 @@ use self::{
     marks::{Length, Marked, Scope, Size},
     text::{Line, Piece, Text},
 };
+
+/// Why a module cannot be said in WGSL.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    /// A host's name that cannot be kept.
+    #[error("a host knows `{0}` by this name, by which the linked shader needs WGSL's own `{0}`")]
+    Host(String),
+    #[error("{0}")]
+    Naga(String),
+}
+
+/// Whether WGSL has a name of its own among those by which hosts know parts of `module`, so that it is uncertain whether
+/// they can be kept.
+pub(crate) fn has_predeclared_hosts(module: &Module) -> bool {
+    let entries = module.entry_points.iter().map(|entry| &entry.name);
+    let overrides = module.overrides.iter();
+    let overrides = overrides.filter(|(_, item)| item.id.is_none());
+    let mut names = entries.chain(overrides.filter_map(|(_, item)| item.name.as_ref()));
+    names.any(|name| BUILTIN_IDENTIFIERS.contains(&name.as_str()))
+}
 
 /// The valid `module` as WGSL, with the diagnostic filters that are `written` in it.
 pub(crate) fn write(
@@ -48,21 +69,22 @@ pub(crate) fn write(
 }
 
 fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
-    let custom = |error: &dyn std::error::Error| Error::Custom(error.to_string());
-    let mut marked = Marked::new(module).map_err(|error| custom(&error))?;
+    let naga = |error: &dyn std::error::Error| Error::Naga(error.to_string());
+    let mut marked = Marked::new(module).map_err(|error| naga(&error))?;
     let info = if marked.has_tellers() {
         // The module is valid: only the types of what the tellers tell are wanted.
         Validator::new(ValidationFlags::empty(), Capabilities::all())
             .validate(&marked.module)
             .map(Cow::Owned)
-            .map_err(|error| custom(error.as_inner()))?
+            .map_err(|error| naga(error.as_inner()))?
     } else {
         Cow::Borrowed(info)
     };
     marked.put_numbers_for_lengths();
-    let written = write_string(&marked.module, &info, WriterFlags::empty())?;
+    let written =
+        write_string(&marked.module, &info, WriterFlags::empty()).map_err(|error| naga(&error))?;
     let text = Text::read(&written, &mut marked);
-    let names = naming::choose(&marked, &text).map_err(Error::Custom)?;
+    let names = naming::choose(&marked, &text).map_err(Error::Host)?;
     let printer = Printer {
         marked: &marked,
         text: &text,

@@ -83,3 +83,20 @@ fn what_cannot_be_linked() {
     write(&folder, "broken.wesl", "fn f( {}\n");
     assert!(refusal(&["link", &path_in(&folder, "broken.wesl")]).contains("broken.wesl:1"));
 }
+
+/// A host's name stays, and so does a member that has it too.
+#[test]
+fn names_that_end_in_a_digit() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "alone.wesl",
+        "override K1: f32 = 1.0;\nstruct P { K1: f32 }\n@group(0) @binding(0) var<uniform> p: P;\n\
+         @fragment fn fs() -> @location(0) vec4f { return vec4f(p.K1 * K1); }\n",
+    );
+    let wgsl = link(&[&path_in(&folder, "alone.wesl")]);
+    assert!(
+        wgsl.contains("override K1: f32") && wgsl.contains("    K1: f32,"),
+        "{wgsl}"
+    );
+}

@@ -260,3 +260,75 @@ fn an_interrupt_leaves_a_whole_prebuild_or_none() {
     }
     assert!(interrupted > 0, "no turn was interrupted");
 }
+
+/// What a host sets: WGSL keeps it, the reflection lists it, and what SPIR-V loses is told.
+#[test]
+fn overrides() {
+    let folder = faulty_package();
+    write(
+        &folder,
+        "good.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: [{ "pass": ["main"] }])"#,
+    );
+    let (manifest, out) = (path_in(&folder, "good.ron"), path_in(&folder, "out"));
+    let built = |main: &str| {
+        write(&folder, "pkg/main.wesl", main);
+        let checked = umbrage(&["check", &manifest]);
+        assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
+        let output = umbrage(&["prebuild", &manifest, "--out", &out]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let files = contents(Path::new(&out));
+        let index: Value = serde_json::from_slice(&files["index.json"]).expect("JSON");
+        let entry = index["keys"]["pass=main"].clone();
+        let text = |kind: &str| {
+            let file = &files[entry[kind].as_str().expect("a name")];
+            String::from_utf8(file.clone()).expect("UTF-8")
+        };
+        let reflection: Value = serde_json::from_str(&text("reflection")).expect("JSON");
+        let said = stderr(&output).to_owned();
+        (text("wgsl"), entry["spv"].clone(), reflection, said)
+    };
+
+    let (wgsl, spv, reflection, said) = built(
+        "override K1: f32 = 1.0;\noverride N: u32 = 4u;\nstruct P { K1: f32 }\n@group(0) @binding(0) var<uniform> p: P;\n\
+         var<workgroup> tile: array<f32, N>;\n@group(0) @binding(1) var<storage, read_write> out: array<f32>;\n\
+         @compute @workgroup_size(N * 2u) fn cs(@builtin(local_invocation_index) i: u32) {\n\
+             tile[i % N] = p.K1 * K1;\n    workgroupBarrier();\n    out[i] = tile[0];\n}\n",
+    );
+    assert!(naga::front::wgsl::parse_str(&wgsl).is_ok(), "{wgsl}");
+    for kept in [
+        "override K1: f32 = 1f;",
+        "    K1: f32,",
+        "array<f32, N>",
+        "@workgroup_size((N * 2u), 1, 1)",
+    ] {
+        assert!(wgsl.contains(kept), "no `{kept}` in\n{wgsl}");
+    }
+    assert!(spv.is_string());
+    assert_eq!(reflection["entry_points"][0]["workgroup_size"][0], 8);
+    let overrides = reflection["overrides"].as_array().expect("a list");
+    assert_eq!(overrides.len(), 2);
+    assert_eq!(
+        overrides[1],
+        serde_json::json!({
+            "name": "N", "id": null, "module": "pkg::main", "ty": "u32", "default": 4.0,
+            "derived": false, "spirv": "fixed_at_default",
+        })
+    );
+    assert!(
+        said.contains("`K1`, `N` can be set in the WGSL alone"),
+        "{said}"
+    );
+
+    // Without a default there is WGSL all the same.
+    let (wgsl, spv, reflection, said) = built(
+        "override near: f32;\n@fragment fn fs_main() -> @location(0) vec4f { return vec4f(near); }\n",
+    );
+    assert!(wgsl.contains("override near: f32;"), "{wgsl}");
+    assert!(spv.is_null());
+    assert_eq!(reflection["overrides"][0]["spirv"], "not_written");
+    assert!(
+        said.contains("no SPIR-V of ") && said.contains("`near`"),
+        "{said}"
+    );
+}

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use naga::keywords::wgsl::RESERVED;
 
 use super::{
-    marks::{Length, Marked, Scope},
+    marks::{Length, Marked, Rank, Scope},
     text::{Piece, Text},
 };
 
@@ -99,11 +99,8 @@ fn give(
         let thing = &marked.things[mark];
         if !RESERVED.contains(&thing.name.as_str()) && taken.insert(thing.name.clone()) {
             names[mark] = thing.name.clone();
-        } else if thing.scope == Scope::Module(super::marks::Rank::Host) {
-            return Err(format!(
-                "a host knows `{}` by its name, which the linked module needs for WGSL's own `{0}`",
-                thing.name
-            ));
+        } else if thing.scope == Scope::Module(Rank::Host) {
+            return Err(thing.name.clone());
         } else {
             rest.push(mark);
         }

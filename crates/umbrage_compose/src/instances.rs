@@ -1,0 +1,395 @@
+//! Implementations that would share state.
+//!
+//! A module is in a shader once, whoever imports it and by whatever name: its resources are one for all. Two
+//! implementations of one interface, called side by side, are meant to be two things, each with resources of its own that
+//! the host makes for it; where something below both of them declares a resource, both read one, and the host's
+//! last word for one of them is wrong for the other. So that is a fault, as are two resources of theirs that a host which
+//! binds by names cannot tell apart, and one function with resources that a module calls by two names.
+//!
+//! None of this concerns an implementation that is another's part (called by it alone), what else in the shader
+//! speaks of a resource too (the pass's frame, say: it is everyone's), or implementations without resources of their
+//! own, which only ask what is bound to other interfaces.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Module};
+use rustc_hash::FxHashMap;
+use wgsl_parse::syntax::GlobalDeclaration;
+
+use crate::{
+    Cause, Fault, Library,
+    error::Place,
+    fetches::callees,
+    names::{self, Item},
+    reach::FunctionId,
+    stubs::JOINT,
+};
+
+/// A call as its author wrote it.
+pub(crate) struct Call {
+    /// The calling module.
+    pub(crate) module: usize,
+    /// What it calls the function by.
+    pub(crate) name: String,
+    /// The name in that which is of the calling module's own choosing, if any.
+    pub(crate) alias: Option<String>,
+    /// Whether it asks an interface for it.
+    pub(crate) by_interface: bool,
+    pub(crate) target: FunctionId,
+}
+
+/// A linked module with what its parts came from.
+pub(crate) struct Origins<'a> {
+    pub(crate) library: &'a Library,
+    pub(crate) root: usize,
+    pub(crate) module: &'a Module,
+    pub(crate) functions: &'a FxHashMap<Handle<Function>, FunctionId>,
+    /// What the functions' authors call them.
+    pub(crate) names: &'a FxHashMap<FunctionId, String>,
+    pub(crate) variables: &'a FxHashMap<Handle<GlobalVariable>, Item>,
+    /// The calls of each module, in a fixed order.
+    pub(crate) calls: &'a [Call],
+}
+
+/// Checks that no two implementations of an interface share state without saying so.
+pub(crate) fn check(origins: &Origins<'_>) -> Result<(), Fault> {
+    let implementations = implementations(origins)?;
+    let twice = called_by_two_names(origins);
+    let several = implementations.values().any(|modules| modules.len() > 1);
+    if !several && twice.is_empty() {
+        return Ok(());
+    }
+    let graph = Graph::new(origins);
+    for (first, second) in twice {
+        graph.check_names(first, second)?;
+    }
+    for (interface, modules) in &implementations {
+        let modules: Vec<_> = modules.iter().collect();
+        for (index, a) in modules.iter().enumerate() {
+            for b in &modules[index + 1..] {
+                graph.check_pair(*interface, *a, *b)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The functions that implement an interface, by their modules.
+type Implementations = BTreeMap<usize, BTreeMap<usize, BTreeSet<Handle<Function>>>>;
+
+/// The linked modules that have each function of an interface, and which functions these are.
+fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
+    let library = origins.library;
+    let declared = |module: usize| -> Result<BTreeSet<String>, Fault> {
+        let declarations = &library.syntax(module)?.tree.global_declarations;
+        let functions = declarations
+            .iter()
+            .filter(|node| matches!(node.node(), GlobalDeclaration::Function(_)));
+        Ok(functions.filter_map(|node| names::declared(node)).collect())
+    };
+    let mut found = Implementations::new();
+    for (interface, source) in library.sources().iter().enumerate() {
+        // An interface that does not parse is in no linked module.
+        if !source.is_interface() || library.syntax(interface).is_err() {
+            continue;
+        }
+        let contract = declared(interface)?;
+        for (handle, id) in origins.functions {
+            let name = origins.names.get(id);
+            let name = name.filter(|name| contract.contains(*name));
+            if name.is_some() && contract.is_subset(&declared(id.0)?) {
+                let modules = found.entry(interface).or_default();
+                modules.entry(id.0).or_default().insert(*handle);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Pairs of calls in one module that call one function of another by two names.
+fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
+    let linked: BTreeSet<_> = origins.functions.values().collect();
+    let mut first: BTreeMap<(usize, FunctionId), &Call> = BTreeMap::new();
+    let mut twice = Vec::new();
+    for call in origins.calls {
+        if call.module == call.target.0 || !linked.contains(&call.target) {
+            continue;
+        }
+        let known = first.entry((call.module, call.target)).or_insert(call);
+        if known.alias != call.alias {
+            twice.push((*known, call));
+        }
+    }
+    twice
+}
+
+/// What the call `name` of `item` calls it by, or its module, where that is none of their own names.
+pub(crate) fn alias(library: &Library, name: &str, item: &Item) -> Option<String> {
+    let parts: Vec<_> = name.split(JOINT).collect();
+    let own = match *parts.as_slice() {
+        [_] => Some(item.name.as_str()),
+        ["package" | "super" | "self", ..] => return None,
+        // The first part is an imported module's, or a package's.
+        _ => {
+            let path = &library.source(item.module).path;
+            path.rsplit("::").nth(parts.len() - 2)
+        }
+    };
+    (own != Some(parts[0])).then(|| parts[0].to_owned())
+}
+
+/// The function that `call` calls, in its author's words.
+fn written(call: &Call) -> String {
+    call.name.replace(JOINT, "::")
+}
+
+/// Who calls whom in a linked module, and which resources each speaks of. Entry points are functions of no handle.
+struct Graph<'a> {
+    origins: &'a Origins<'a>,
+    nodes: Vec<Node>,
+    by_handle: FxHashMap<Handle<Function>, usize>,
+}
+
+struct Node {
+    module: usize,
+    callees: BTreeSet<Handle<Function>>,
+    resources: BTreeSet<Handle<GlobalVariable>>,
+}
+
+type Nodes = BTreeSet<usize>;
+type Resources = BTreeSet<Handle<GlobalVariable>>;
+
+impl<'a> Graph<'a> {
+    fn new(origins: &'a Origins<'a>) -> Self {
+        let module = origins.module;
+        let is_resource = |variable: Handle<GlobalVariable>| {
+            matches!(
+                module.global_variables[variable].space,
+                AddressSpace::Uniform | AddressSpace::Storage { .. } | AddressSpace::Handle
+            )
+        };
+        let node = |home: usize, function: &Function| Node {
+            module: home,
+            callees: callees(function).into_iter().collect(),
+            resources: function
+                .expressions
+                .iter()
+                .filter_map(|(_, expression)| match expression {
+                    Expression::GlobalVariable(variable) => Some(*variable),
+                    _ => None,
+                })
+                .filter(|variable| is_resource(*variable))
+                .collect(),
+        };
+        let mut nodes = Vec::new();
+        let mut by_handle = FxHashMap::default();
+        for (handle, function) in module.functions.iter() {
+            let home = origins.functions.get(&handle);
+            by_handle.insert(handle, nodes.len());
+            nodes.push(node(home.map_or(origins.root, |id| id.0), function));
+        }
+        for entry in &module.entry_points {
+            nodes.push(node(origins.root, &entry.function));
+        }
+        Self {
+            origins,
+            nodes,
+            by_handle,
+        }
+    }
+
+    fn check_names(&self, first: &Call, second: &Call) -> Result<(), Fault> {
+        let handles = self.origins.functions.iter();
+        let function = handles.filter(|(_, id)| **id == first.target);
+        let reached = self.reached(&function.map(|(handle, _)| *handle).collect(), false);
+        let outside = self.resources(|node| !reached.contains(&node));
+        let inside = self.resources(|node| reached.contains(&node));
+        let Some(shared) = inside.difference(&outside).next() else {
+            return Ok(());
+        };
+        let path = &self.origins.library.source(first.target.0).path;
+        let message = format!(
+            "`{}` and `{}` are one function of `{path}`, with one `{}` between them",
+            written(first),
+            written(second),
+            self.name(*shared)
+        );
+        Err(self
+            .fault(message, [self.call(first, ""), self.call(second, "the same")], *shared)
+            .note("a module is in a shader once, by however many names: call it by one; to have two with resources of their own, make a second module with resources of other names"))
+    }
+
+    fn check_pair(
+        &self,
+        interface: usize,
+        (a, parts_of_a): (&usize, &BTreeSet<Handle<Function>>),
+        (b, parts_of_b): (&usize, &BTreeSet<Handle<Function>>),
+    ) -> Result<(), Fault> {
+        let (in_a, in_b) = (
+            self.reached(parts_of_a, false),
+            self.reached(parts_of_b, false),
+        );
+        if !self.is_called_outside(*a, parts_of_a, &in_a, &in_b)
+            || !self.is_called_outside(*b, parts_of_b, &in_b, &in_a)
+        {
+            return Ok(());
+        }
+        let open = self.resources(|node| !in_a.contains(&node) && !in_b.contains(&node));
+        let state = |nodes: &Nodes| -> Resources {
+            let all = self.resources(|node| nodes.contains(&node));
+            all.difference(&open).copied().collect()
+        };
+        let owns = |parts| !state(&self.reached(parts, true)).is_empty();
+        let (of_a, of_b) = (state(&in_a), state(&in_b));
+        let library = self.origins.library;
+        let path = |module: usize| &library.source(module).path;
+        let calls = || {
+            let contract = format!("implements `{}`", path(interface));
+            [
+                self.entry(*a, parts_of_a, &contract),
+                self.entry(*b, parts_of_b, "so does this"),
+            ]
+        };
+        if let Some(shared) = of_a.intersection(&of_b).next()
+            && owns(parts_of_a)
+            && owns(parts_of_b)
+        {
+            let message = format!(
+                "`{}` and `{}` would share one `{}`",
+                path(*a),
+                path(*b),
+                self.name(*shared)
+            );
+            return Err(self.fault(message, calls(), *shared).note(
+                "a module is in a shader once, and so are its resources, though the host makes them for one implementation at a time: call one of the two here, or give each resources of its own, in modules that the other does not reach",
+            ));
+        }
+        let group = |variable: Handle<GlobalVariable>| {
+            let binding = self.origins.module.global_variables[variable].binding;
+            binding.map(|binding| binding.group)
+        };
+        for one in of_a.difference(&of_b) {
+            let alike = |other: &&Handle<GlobalVariable>| {
+                self.name(*one) == self.name(**other) && group(*one) == group(**other)
+            };
+            if let Some(other) = of_b.difference(&of_a).find(alike) {
+                let message = format!(
+                    "`{}` and `{}` each have a `{}` in group {}, and a host that binds by names gives both the same",
+                    path(*a),
+                    path(*b),
+                    self.name(*one),
+                    group(*one).unwrap_or_default()
+                );
+                let fault = self.fault(message, calls(), *one);
+                let fault = match self.place(*other, "and this") {
+                    Some(place) => fault.at(place),
+                    None => fault,
+                };
+                return Err(fault.note("rename one of them, or call one of the two here"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The functions that `parts` lead to, themselves among them; `alone`: without asking other interfaces.
+    fn reached(&self, parts: &BTreeSet<Handle<Function>>, alone: bool) -> Nodes {
+        let mut reached = Nodes::new();
+        let mut waiting: Vec<_> = parts.iter().map(|handle| self.by_handle[handle]).collect();
+        while let Some(node) = waiting.pop() {
+            if !reached.insert(node) {
+                continue;
+            }
+            let Node {
+                module, callees, ..
+            } = &self.nodes[node];
+            let callees = callees
+                .iter()
+                .filter(|callee| !alone || !self.is_by_interface(*module, **callee));
+            waiting.extend(callees.map(|callee| self.by_handle[callee]));
+        }
+        reached
+    }
+
+    fn is_by_interface(&self, module: usize, callee: Handle<Function>) -> bool {
+        let target = self.origins.functions.get(&callee);
+        let mut calls = self.origins.calls.iter();
+        calls.any(|call| call.by_interface && call.module == module && Some(&call.target) == target)
+    }
+
+    fn resources(&self, of: impl Fn(usize) -> bool) -> Resources {
+        let nodes = self.nodes.iter().enumerate().filter(|(node, _)| of(*node));
+        nodes
+            .flat_map(|(_, node)| node.resources.iter().copied())
+            .collect()
+    }
+
+    /// Whether `parts` are called by more than themselves and the `other` implementation.
+    fn is_called_outside(
+        &self,
+        module: usize,
+        parts: &BTreeSet<Handle<Function>>,
+        own: &Nodes,
+        other: &Nodes,
+    ) -> bool {
+        let mut nodes = self.nodes.iter().enumerate();
+        module == self.origins.root
+            || nodes.any(|(index, node)| {
+                !own.contains(&index) && !other.contains(&index) && !node.callees.is_disjoint(parts)
+            })
+    }
+
+    fn fault<'p>(
+        &self,
+        message: String,
+        calls: impl IntoIterator<Item = Place<'p>>,
+        shared: Handle<GlobalVariable>,
+    ) -> Fault {
+        let mut fault = Fault::new(Cause::Interface, message);
+        for place in calls {
+            fault = fault.at(place);
+        }
+        match self.place(shared, "the resource") {
+            Some(place) => fault.at(place),
+            None => fault,
+        }
+    }
+
+    fn name(&self, variable: Handle<GlobalVariable>) -> &str {
+        let item = self.origins.variables.get(&variable);
+        item.map_or("", |item| item.name.as_str())
+    }
+
+    fn place(&self, variable: Handle<GlobalVariable>, label: &str) -> Option<Place<'a>> {
+        let library = self.origins.library;
+        let span = self.origins.module.global_variables.get_span(variable);
+        let range = span.to_range()?;
+        let (module, start) = library.locate(range.start)?;
+        let source = library.source(module);
+        Some(source.place_labelled(start..start + range.len(), label))
+    }
+
+    /// Where one of `parts` of `module` is called from another module; its own place where none does.
+    fn entry(&self, module: usize, parts: &BTreeSet<Handle<Function>>, label: &str) -> Place<'a> {
+        let targets: Vec<_> = parts
+            .iter()
+            .filter_map(|handle| self.origins.functions.get(handle))
+            .collect();
+        let mut calls = self.origins.calls.iter();
+        let call = calls.find(|call| call.module != module && targets.contains(&&call.target));
+        match call {
+            Some(call) => self.call(call, label),
+            None => self
+                .origins
+                .library
+                .source(module)
+                .place_labelled(0..0, label),
+        }
+    }
+
+    fn call(&self, call: &Call, label: &str) -> Place<'a> {
+        let source = self.origins.library.source(call.module);
+        let mut place = source.find(&written(call));
+        place.label = label.to_owned();
+        place
+    }
+}
