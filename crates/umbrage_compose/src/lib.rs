@@ -51,7 +51,8 @@
 //!    are put right. Calls of stand-ins lead to the real functions, through the bindings.
 //! 4. Binding numbers are the authors' where they are free, and otherwise the least free ones, in the
 //!    order of the modules' paths: the same for everyone, always.
-//! 5. Naga validates the module against the target.
+//! 5. Naga validates the module against the target, all but its uniformity, which is decided as WGSL's
+//!    specification does. Diagnostic filters hold where their authors wrote them, and are printed again.
 //!
 //! Before any of that, a key is *projected*: following imports and bindings from the root notes each
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
