@@ -105,6 +105,7 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
             "the manifests have no permutation, so there is nothing to prebuild; add keys to them"
         );
     }
+    tell_lost(permutations.values());
     let warnings: BTreeSet<_> = permutations
         .values()
         .flat_map(|built| &built.warnings)
@@ -112,7 +113,6 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
-    tell_lost(permutations.values());
     let count = permutations.len();
     let index = Index {
         format: FORMAT.to_owned(),

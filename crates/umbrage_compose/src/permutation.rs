@@ -67,10 +67,10 @@ impl Permutation {
         let mut told = places.idle_filters();
         told.extend(uniformity::check(&linked.module, &places)?);
         let written = Written::new(&linked.module, &places);
-        if wgsl::has_predeclared_hosts(&linked.module)
-            && let Err(error @ wgsl::Error::Host(_)) = wgsl::write(&linked.module, &info, &written)
+        if wgsl::is_doubtful(&linked.module)
+            && let Err(error) = wgsl::write(&linked.module, &info, &written)
         {
-            return Err(host_fault(library, root, &reflection, &error));
+            return Err(wgsl_fault(library, root, &reflection, &error));
         }
         Ok(Self {
             warnings: told.iter().map(ToString::to_string).collect(),
@@ -140,22 +140,37 @@ impl Permutation {
     }
 }
 
-/// A host's name that cannot be kept in WGSL, where it is declared.
-fn host_fault(
+/// What WGSL has no words for, where it is declared.
+fn wgsl_fault(
     library: &Library,
     root: usize,
     reflection: &Reflection,
     error: &wgsl::Error,
 ) -> Fault {
-    let mut fault = Fault::new(Cause::Validation, error.to_string())
-        .note("rename it: in one shader a name has one meaning");
-    if let wgsl::Error::Host(name) = error {
-        let mut overrides = reflection.overrides.iter();
-        let declared = overrides.find(|item| item.name == *name);
-        let module = declared.and_then(|item| library.module(&item.module));
-        fault = fault.at(library.source(module.unwrap_or(root)).find(name));
+    let fault = Fault::new(Cause::Validation, error.to_string());
+    match error {
+        wgsl::Error::Host(name) => {
+            let mut overrides = reflection.overrides.iter();
+            let declared = overrides.find(|item| item.name == *name);
+            let module = declared.and_then(|item| library.module(&item.module));
+            let source = library.source(module.unwrap_or(root));
+            fault
+                .at(source.find(name))
+                .note("rename it: in one shader a name has one meaning")
+        }
+        wgsl::Error::Nameless(_, span) => {
+            let place = span
+                .to_range()
+                .and_then(|range| Some((library.locate(range.start)?, range.len())));
+            match place {
+                Some(((module, start), length)) => {
+                    fault.at(library.source(module).place(start..start + length))
+                }
+                None => fault.at(library.source(root).place(0..0)),
+            }
+        }
+        wgsl::Error::Naga(_) => fault.at(library.source(root).place(0..0)),
     }
-    fault
 }
 
 /// Validates against what `target` offers.

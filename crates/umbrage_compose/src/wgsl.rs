@@ -22,7 +22,7 @@ mod text;
 use std::borrow::Cow;
 
 use naga::{
-    Module,
+    Module, PredeclaredType, Span,
     back::wgsl::{WriterFlags, write_string},
     keywords::wgsl::BUILTIN_IDENTIFIERS,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
@@ -41,18 +41,26 @@ pub(crate) enum Error {
     /// A host's name that cannot be kept.
     #[error("a host knows `{0}` by this name, by which the linked shader needs WGSL's own `{0}`")]
     Host(String),
+    /// A variable whose type has no name and no value to begin with.
+    #[error(
+        "`{0}` is a `var` of what `atomicCompareExchangeWeak` gives, which has no name: use `let`"
+    )]
+    Nameless(String, Span),
     #[error("{0}")]
     Naga(String),
 }
 
-/// Whether WGSL has a name of its own among those by which hosts know parts of `module`, so that it is uncertain whether
-/// they can be kept.
-pub(crate) fn has_predeclared_hosts(module: &Module) -> bool {
+/// Whether only printing the valid `module` can tell whether WGSL has words for it: it can hold what WGSL has no name
+/// for, or a host knows a part of it by one of WGSL's own names.
+pub(crate) fn is_doubtful(module: &Module) -> bool {
+    let mut predeclared = module.special_types.predeclared_types.keys();
+    let nameless =
+        |ty: &PredeclaredType| matches!(ty, PredeclaredType::AtomicCompareExchangeWeakResult(_));
     let entries = module.entry_points.iter().map(|entry| &entry.name);
     let overrides = module.overrides.iter();
     let overrides = overrides.filter(|(_, item)| item.id.is_none());
     let mut names = entries.chain(overrides.filter_map(|(_, item)| item.name.as_ref()));
-    names.any(|name| BUILTIN_IDENTIFIERS.contains(&name.as_str()))
+    predeclared.any(nameless) || names.any(|name| BUILTIN_IDENTIFIERS.contains(&name.as_str()))
 }
 
 /// The valid `module` as WGSL, with the diagnostic filters that are `written` in it.
@@ -71,6 +79,9 @@ pub(crate) fn write(
 fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
     let naga = |error: &dyn std::error::Error| Error::Naga(error.to_string());
     let mut marked = Marked::new(module).map_err(|error| naga(&error))?;
+    if let Some((variable, span)) = marked.undeclarable.take() {
+        return Err(Error::Nameless(variable, span));
+    }
     let info = if marked.has_tellers() {
         // The module is valid: only the types of what the tellers tell are wanted.
         Validator::new(ValidationFlags::empty(), Capabilities::all())
@@ -110,6 +121,7 @@ impl Printer<'_> {
             match next.and_then(|entry| self.marked.workgroup_sizes.get(&entry)) {
                 Some(sizes) if line.raw.starts_with("@compute ") => self.workgroup_size(sizes),
                 _ if line.in_struct => self.member(line),
+                _ if line.raw.starts_with("    var ") => self.local(line),
                 _ if self.is_length(line) => continue,
                 _ => self.declaration(line),
             }
@@ -149,6 +161,17 @@ impl Printer<'_> {
         // The attribute takes the place of the indent but for one space.
         let indent = if room.is_some() { 3 } else { 0 };
         self.pieces(&line.pieces, indent);
+    }
+
+    fn local(&mut self, line: &Line<'_>) {
+        let variable = line.subject();
+        match variable.and_then(|mark| Some((mark, self.marked.inferred.get(&mark)?))) {
+            Some((mark, value)) => {
+                let name = &self.names[mark];
+                self.out.push_str(&format!("    var {name} = {value};"));
+            }
+            None => self.pieces(&line.pieces, 0),
+        }
     }
 
     /// A line, with the value that its override or variable begins with where naga has no words for it.

@@ -296,6 +296,31 @@ fn overrides_at_their_defaults() {
     assert!(error.contains("at their defaults"), "{error}");
 }
 
+/// What `modf` and `frexp` give has a type without a name.
+#[test]
+fn variables_of_nameless_types() {
+    let (text, _) = printed(&[(
+        "main.wesl",
+        "@fragment fn fs(@location(0) x: vec3f) -> @location(0) vec4f {\n    var parts = modf(x.x);\n    var fract = frexp(x);\n    let whole = modf(x);\n\
+         if x.y > 0.0 { parts = modf(x.y); fract.fract.x = parts.whole; }\n    return vec4f(fract.fract, parts.fract + whole.whole.x + f32(fract.exp.x));\n}\n",
+    )]);
+    assert!(text.contains("var parts = modf(f32());"), "{text}");
+    assert!(text.contains("var fract = frexp(vec3<f32>());"), "{text}");
+    let shader = |kind: &str| {
+        format!(
+            "@group(0) @binding(0) var<storage, read_write> a: atomic<u32>;\n@compute @workgroup_size(1) fn cs() {{ {kind} r = atomicCompareExchangeWeak(&a, 1u, 2u); if r.exchanged {{ atomicStore(&a, r.old_value); }} }}\n"
+        )
+    };
+    printed(&[("main.wesl", &shader("let"))]);
+    let error = link(&[("main.wesl", &shader("var"))]).expect_err("no word for it");
+    assert!(error.to_string().contains("use `let`"), "{error}");
+    let place = error.faults()[0].location().expect("a place");
+    assert!(
+        place.file.ends_with("main.wesl") && place.line == 2,
+        "{error}"
+    );
+}
+
 /// The reflection lists what a host may set.
 #[test]
 fn overrides_are_reflected() {

@@ -8,7 +8,8 @@
 //!    between the camera's near and far distance is what the pixel sees: an object, one of its
 //!    triangles, and a point on it. Both sides of a triangle are seen.
 //! 2. **Shadow.** From that point goes a ray to the light. The point is in shadow where the ray meets a
-//!    triangle of an object that casts, other than the triangle that the point lies on.
+//!    triangle of an object that casts strictly between the two: one that point and light lie on different sides
+//!    of. The triangle that the point lies on is none, and neither is one that the light lies on.
 //!
 //! Where a material has a cut-off, what is less opaque than that is no surface, for either ray; the
 //! texture is read in full resolution. A light that is no point gets many rays, spread evenly over the
@@ -52,6 +53,7 @@
 //! | `exponent`, `-overlap`, `-overlap-spot`, `-contact`, `-contact-spot` | occluders 80 m before a receiver, two that overlap, and ones that touch it in a map that deep |
 //! | `steep-blocks-3`, `-5`, `-7`, `-15`, `-spot-3` to `-spot-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
 //! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
+//! | `wall-lamp`, `-near`, `-wash` | a lamp 5 and 2 cm before a wall, and a spot light that washes it: all angles to its normal, to 89.8° |
 //! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
 //!
 //! Each scene is traced in its tests: there is light and shadow in healthy shares, and what its name says
@@ -62,6 +64,14 @@
 //!   a point on a shared edge lies on them too, as far as f64 can tell: so a hit that is no farther away
 //!   than the rounding of the numbers that it was computed from is none. That bound follows the numbers:
 //!   it shrinks and grows with the scene.
+//! - **A light in a surface** (a lamp in a ceiling, a spot light's apex on a wall, a lamp on a box's edge) shines to
+//!   both sides, as far as nothing else is in its way: what is lit is what would be if the light were moved ever so
+//!   little towards it. The light lies on a triangle where it is no farther from its plane than what the numbers
+//!   tell: the rounding of f64 where the light stands in the world, and a step of f32 of the corners as their mesh
+//!   has them, so that a lamp at 0.4 m lies on a box whose corner is the f32 next to 0.4. It is found from
+//!   the light alone, whatever the way to it: so all points behind a surface agree. A sphere of light that a surface cuts is seen
+//!   as far as it hangs out. A renderer means the same where its maps begin behind what the light lies on; but they
+//!   leave out all that is nearer than a share of the light's range, which here shades (see `umbrage_methods::basic`).
 //! - **No gaps.** Of two triangles that share an edge, a ray that passes through the edge meets at least one
 //!   (Woop, Benthin and Wald 2013: "Watertight Ray/Triangle Intersection").
 //! - **No place.** Positions are relative to the camera, and f64 throughout: a scene a thousand kilometres

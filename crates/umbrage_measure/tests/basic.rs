@@ -176,3 +176,75 @@ fn basic_keeps_to_the_edges_of_the_bunnys_shadow() {
     // The band lies on both sides of each edge, and an edge is displaced to one of them.
     assert!(2 * wrong < near, "{wrong} of {near}");
 }
+
+/// A lamp that lies on what casts: in a ceiling, on a wall, on an edge and on a corner of a box. Its maps begin
+/// behind that, and so does the truth.
+#[test]
+fn a_lamp_on_a_surface_shines_past_it() {
+    const LAMPS: [(&str, [f64; 3]); 5] = [
+        ("in the ceiling", [0.3, 2.9, -0.7]),
+        ("on the box's side", [0.7, 0.6, 0.2]),
+        ("on the box's edge", [0.7, 1.2, 0.2]),
+        ("on the box's corner", [0.7, 1.2, 0.5]),
+        ("in the box", [0.2, 0.7, 0.1]),
+    ];
+    let mut renderer = renderer();
+    for (scale, origin) in [(1.0, 0.0), (1.0, 1e6), (1e-3, 0.0), (1e4, 0.0)] {
+        for (where_it_is, lamp) in LAMPS {
+            let at = |[x, y, z]: [f64; 3]| {
+                let [x, y, z] = [x, y, z].map(|p| origin + scale * p);
+                format!("({x:?}, {y:?}, {z:?})")
+            };
+            let range = 30.0 * scale;
+            let kinds = [
+                format!("point(position: {}, range: {range:?})", at(lamp)),
+                format!(
+                    "spot(position: {}, direction: (0.5, -0.8, 0.3), outer_degrees: 55, range: {range:?})",
+                    at(lamp)
+                ),
+            ];
+            for kind in kinds {
+                let model = |shape: &str, place: [f64; 3]| {
+                    let place = at(place);
+                    format!(
+                        "(shape: {shape}, translation: {place}, scale: ({scale:?}, {scale:?}, {scale:?}))"
+                    )
+                };
+                let text = format!(
+                    r#"(
+                    camera: (position: {}, target: {}, fov_degrees: 60, near: {:?}, far: {:?}),
+                    lights: [(kind: {kind}, shadow: (method: "basic"))],
+                    models: [{}, {}, {}])"#,
+                    at([2.7, 2.3, 2.9]),
+                    at([0.3, 0.2, 0.0]),
+                    0.1 * scale,
+                    100.0 * scale,
+                    model("plane(size: (12, 12))", [0.0; 3]),
+                    model("plane(size: (9, 9))", [0.0, 2.9, 0.0]),
+                    model("box(size: (1, 1.2, 0.6))", [0.2, 0.6, 0.2]),
+                );
+                let dir = tempfile::TempDir::new().expect("a folder");
+                let path = dir.path().join("scene.ron");
+                std::fs::write(&path, text).expect("written");
+                let scene = Scene::load(path).expect("a sound scene");
+                let terms = rendered(&mut renderer, &scene);
+                let tracer = Tracer::new(&scene).expect("a sound scene");
+                let sight = tracer.look(SIZE.0, SIZE.1, &|| ()).expect("a size");
+                let truth = tracer
+                    .shadow(&sight, 0, Source::Sharp, &|| ())
+                    .expect("a light");
+                let known = sight.seen().iter().zip(&truth).zip(&terms);
+                let known: Vec<_> = known
+                    .filter_map(|((seen, truth), term)| Some((seen.as_ref()?, (*truth)?, *term)))
+                    .collect();
+                let wrong = known.iter().filter(|(_, t, r)| (*t > 0.5) != (*r > 0.5));
+                let share = wrong.count() as f64 / known.len() as f64;
+                // Edges, of which there are 400 pixels at the most, half of them displaced by one.
+                assert!(share < 0.004, "{where_it_is}, {kind}: {share}");
+                let mut floor = known.iter().filter(|(seen, ..)| seen.object == 0);
+                let is_lit = floor.any(|(_, t, _)| *t > 0.5);
+                assert_eq!(is_lit, where_it_is != "in the box", "{where_it_is}, {kind}");
+            }
+        }
+    }
+}

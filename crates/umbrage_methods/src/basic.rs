@@ -22,10 +22,10 @@
 //! (`plane`) or not (`constant`).
 //!
 //! With `plane`, each fetch is compared with the plane's depth a texel nearer to the light on both axes,
-//! which no texel of the plane's own exceeds; up to 87° between the light and the normal, where that is
-//! 19 texels' widths. What `depth_bias` has to cover is the rasteriser, which moves vertices on its own
-//! grid, 1/256 texel on most devices: at a slope of 19 that is 19 · √2 / 512 = 0.05 texels. What else it has to cover is that a curved receiver is no plane: a
-//! facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
+//! which no texel of the plane's own exceeds, nor do those that the rasteriser's grid displaces (1/256 texel on most devices). From
+//! 89.1° between the light and the normal on, where that is 64 texels' widths, the map is asked a step aside instead, so that no
+//! plane shades itself up to the horizon: `slope.rs` has the derivation, and what else was tried. What `depth_bias` has to
+//! cover is that a curved receiver is no plane: a facet that rises from the receiver's by the slope s lies s · W / 2 texels nearer to the light at the
 //! filter's edge. The default of 1.5 takes in s = 0.6 (31°) at W = 5, and is little against that
 //! filter's width. Exponential maps, values of `filter`, and their `exponent` are [`crate::esm`]'s; they take no bias.
 //!
@@ -34,11 +34,13 @@
 //! cube, whose faces a wider fetch cannot cross.
 //!
 //! # Limits
-//! Receivers at more than 87° to the light are compared at their own depth plus `depth_bias`, and so may
-//! be mottled; they get a twentieth of the light at the most, and none if they are turned away. Up to there, what shades a receiver from
-//! less than two slopes' texels above it may be missed at its steep places.
+//! What shades a receiver from less than two slopes' texels along the ray may be missed; at more than 89.1° to the light,
+//! what is less than √2 (W + 1) / 2 texels off its plane as well. A shadow that is less than half of the filter across the light is
+//! washed out, which flat light makes of low things' shadows, however long they are. Where a wall ends in another surface, the filter of
+//! one that is followed across the corner finds the other before it: at grazing angles, a darker rim at its foot.
 //!
-//! What is nearer to a spot or point light than 1e-5 of its range casts no shadow.
+//! What is nearer to a spot or point light than 1e-5 of its range casts no shadow: so neither does what the light lies on, be it
+//! a wall, an edge or a corner. What stands off it by less than that shades in truth, and not here.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
 use umbrage_shadow::{

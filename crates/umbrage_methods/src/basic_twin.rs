@@ -7,10 +7,11 @@
 use glam::{DMat4, DVec2, DVec3, Mat4};
 use umbrage_shadow::{Constants, Lens, Rect, ShadowPlan, Value};
 
-use crate::{esm_twin::EsmTwin, twin_filter::Filter};
-
-/// The shader's constant of this name.
-const STEEPEST: f64 = 19.0;
+use crate::{
+    esm_twin::EsmTwin,
+    slope::{ASTRAY, Followed, STEEPEST, reach},
+    twin_filter::Filter,
+};
 
 /// `calc_shadow` for one plan of [`crate::basic`].
 #[derive(Clone, Debug, PartialEq)]
@@ -102,9 +103,10 @@ impl BasicTwin {
                 }
                 let plane = plane_to_map.as_dmat4() * normal.extend(-normal.dot(position_ws));
                 let width = texel_depth.x + texel_depth.y * at.z;
-                let slope = self.slope(plane.truncate(), width);
+                let across = -plane.truncate().truncate() / f64::from(self.size);
+                let followed = Followed::new(across, STEEPEST * width, plane.z);
                 let to_map = world_to_map.as_dmat4();
-                self.filter_2d(at, slope, to_map, |x, y| depth_at(0, x, y))
+                self.filter_2d(at, followed, to_map, |x, y| depth_at(0, x, y))
             }
             Map::Cube {
                 light_position,
@@ -113,37 +115,27 @@ impl BasicTwin {
         }
     }
 
-    /// The plane's slope by u and v, where it is known, not too steep, and turned to the light; `width` is a texel's, as depth.
-    fn slope(&self, plane: DVec3, width: f64) -> DVec2 {
-        let per_texel = plane.truncate().length() / f64::from(self.size);
-        let toward = STEEPEST * width * plane.z;
-        if toward > 0.0 && per_texel <= toward {
-            -plane.truncate() / plane.z
-        } else {
-            DVec2::ZERO
-        }
-    }
-
     fn filter_2d(
         &self,
         at: DVec3,
-        slope: DVec2,
+        Followed { slope, aside }: Followed,
         to_map: DMat4,
         depth_at: impl Fn(u32, u32) -> f32,
     ) -> f64 {
         let size = f64::from(self.size);
-        let lean = slope.abs().element_sum() / size;
+        let lean = (1.0 + ASTRAY) * slope.abs().element_sum();
         let depth = at.z + self.bias.x + self.bias.y * at.z + lean;
         let filter = Filter {
             width: self.width,
             size: self.size,
         };
-        let place = at.truncate() * size;
+        let place = at.truncate() * size + reach(self.width) * aside;
+        let place = place.clamp(DVec2::ZERO, DVec2::splat(size));
         if let Some(esm) = &self.esm {
             let to_texels = DMat4::from_scale(DVec3::new(size, size, 1.0)) * to_map;
             return esm.lit(0, filter, (place, depth), to_texels, depth_at);
         }
-        filter.lit(place, depth, slope / size, depth_at)
+        filter.lit(place, depth, slope, depth_at)
     }
 
     fn filter_cube(
@@ -159,25 +151,29 @@ impl BasicTwin {
             return 1.0;
         }
         let texel = 2.0 / f64::from(self.size);
+        let right = DVec3::new(axis.y, axis.z, axis.x);
+        let down = DVec3::new(axis.z, axis.x, axis.y);
+        // Over its distance from the light, the normal is the whole tilt.
         let height = normal.dot(offset);
-        let beside = (normal * (1.0 - axis)).length() * distance;
-        let followed = height < 0.0 && beside <= -STEEPEST * height;
-        let tilt = if followed {
-            normal / height
+        let across = DVec2::new(normal.dot(right), normal.dot(down));
+        let Followed { slope, aside } = Followed::new(-across, STEEPEST / distance, -height);
+        // The face's part of it is the slope that is followed; the rest goes with it.
+        let tilt = if height < 0.0 {
+            let followed = (slope.length() * -height / across.length()).min(1.0);
+            followed * normal / height
         } else {
             DVec3::ZERO
         };
+        let aside = texel * distance * reach(self.width) * (aside.x * right + aside.y * down);
         let middle = 0.5 * f64::from(self.width - 1);
         let mut lit = 0.0;
         for j in 0..self.width {
             for i in 0..self.width {
                 let cell = DVec2::new(f64::from(i), f64::from(j)) - middle;
-                let right = DVec3::new(axis.y, axis.z, axis.x);
-                let down = DVec3::new(axis.z, axis.x, axis.y);
                 let across = texel * distance * (cell.x * right + cell.y * down);
-                let tap = offset + across;
+                let tap = offset + aside + across;
                 let face = face_axis(tap);
-                let lean = texel * tilt.abs().dot(1.0 - face);
+                let lean = (1.0 + ASTRAY) * texel * tilt.abs().dot(1.0 - face);
                 let inverse = (1.0 + tilt.dot(across)) / tap.abs().dot(face) + lean;
                 let depth = projection.x + projection.y * inverse;
                 let reference = (depth + self.bias.x + self.bias.y * depth).clamp(0.0, 1.0);

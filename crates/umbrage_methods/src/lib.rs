@@ -14,6 +14,7 @@ mod maps;
 pub mod midpoint;
 pub mod pssm;
 pub mod pssm_twin;
+mod slope;
 mod twin_filter;
 
 use umbrage_shadow::{Registry, RegistryError};

@@ -35,8 +35,8 @@
 //! | `plane` | 1/16, and rounding | 1.5 |
 //! | `constant` | `bias` | 19 · (W + 1) / 2 |
 //!
-//! A plane that is followed needs what the rasteriser's grid displaces it by: at a slope of 19, the steepest that is
-//! followed, 19 · √2 / 512, less than a 16th. What else there is to cover, facets that are steeper than the plane that is
+//! A plane that is followed needs nothing but room for rounding: what the rasteriser's grid displaces it by is in what a
+//! fetch leans over it (`slope.rs`). What else there is to cover, facets that are steeper than the plane that is
 //! followed, the default `depth_bias` of 1.5 is enough for (see [`crate::basic`]). To lie deeper holds off no more shade,
 //! but lets in light; so nothing is held deeper than `nearest` with its default would have it, and what is thinner
 //! than that is held less deep. Where no plane is followed, the middle is all that holds off a slope: up to 19 over the
@@ -86,14 +86,14 @@ const FACES: &str = "faces";
 const FRONTS: &str = "front_faces";
 const BACKS: &str = "back_faces";
 
-/// What a plane needs between itself and its own map where it is followed, in texels' widths.
+/// What a plane has between itself and its own map where it is followed, in texels' widths: room for rounding.
 const LEAST: f64 = 1.0 / 16.0;
+
+/// The slope that a middle holds off where no plane is followed: the tangent of 87°.
+const STEEPEST: f64 = 19.0;
 
 /// What is enough there for all else: the default `depth_bias`.
 const MOST: f64 = 1.5;
-
-/// The shader's constant of this name: the slope up to which a receiver's plane is followed.
-const STEEPEST: f64 = 19.0;
 
 /// Where the middle is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,10 +7,11 @@
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use umbrage_shadow::{Constants, Pass, ShadowPlan, Value};
 
-use crate::{esm_twin::EsmTwin, twin_filter::Filter};
-
-/// The shader's constant of this name: the slope up to which a receiver's plane is followed.
-const STEEPEST: f64 = 19.0;
+use crate::{
+    esm_twin::EsmTwin,
+    slope::{ASTRAY, Followed, STEEPEST, reach},
+    twin_filter::Filter,
+};
 
 /// `calc_shadow` for one plan of [`crate::pssm`].
 #[derive(Clone, Debug, PartialEq)]
@@ -47,11 +48,11 @@ struct Split {
     bias: DVec2,
 }
 
-/// Where a point lies in a split's map: texels, depth, and the plane's slope per texel; and the way there.
+/// Where a point lies in a split's map: texels, depth, and how its plane is followed there; and the way there.
 struct Place {
     to_map: DMat4,
     at: DVec3,
-    slope: DVec2,
+    followed: Followed,
 }
 
 impl PssmTwin {
@@ -197,19 +198,27 @@ impl PssmTwin {
         } else {
             DVec3::ZERO
         };
-        let Some(Place { to_map, at, slope }) = split.place(position_ws, normal) else {
+        let Some(Place {
+            to_map,
+            at,
+            followed: Followed { slope, aside },
+        }) = split.place(position_ws, normal)
+        else {
             return 1.0;
         };
-        let depth = at.z + split.bias.x + split.bias.y * at.z + slope.abs().element_sum();
+        let lean = (1.0 + ASTRAY) * slope.abs().element_sum();
+        let depth = at.z + split.bias.x + split.bias.y * at.z + lean;
         let filter = Filter {
             width: self.width_of(number),
             size: split.size,
         };
         let depth_at = |x, y| depth_at(number, x, y);
+        let asked = at.truncate() + reach(filter.width) * aside;
+        let asked = asked.clamp(DVec2::ZERO, DVec2::splat(f64::from(split.size)));
         if let Some(esm) = &self.esm {
-            return esm.lit(number, filter, (at.truncate(), depth), to_map, depth_at);
+            return esm.lit(number, filter, (asked, depth), to_map, depth_at);
         }
-        filter.lit(at.truncate(), depth, slope, depth_at)
+        filter.lit(asked, depth, slope, depth_at)
     }
 }
 
@@ -236,15 +245,17 @@ impl Split {
             to_map.inverse().project_point3(at + axis) - to_map.inverse().project_point3(at)
         };
         let width = step(DVec3::X).length().max(step(DVec3::Y).length());
-        let deep = step(DVec3::Z * 1e-4).length() / 1e-4;
-        let toward = STEEPEST * plane.z * width / deep;
-        let followed = toward > 0.0 && plane.truncate().truncate().length() <= toward;
-        let slope = if followed {
-            -plane.truncate().truncate() / plane.z
-        } else {
-            DVec2::ZERO
-        };
-        Some(Place { to_map, at, slope })
+        // Along the light's axis: of a spot light, w grows with the distance.
+        let (depth, w) = (to_map.row(2).truncate(), to_map.row(3).truncate());
+        let axis = if w == DVec3::ZERO { depth } else { w };
+        let deep = step(DVec3::Z * 1e-7).dot(axis.normalize()).abs() / 1e-7;
+        let across = -plane.truncate().truncate();
+        let followed = Followed::new(across, STEEPEST * width / deep, plane.z);
+        Some(Place {
+            to_map,
+            at,
+            followed,
+        })
     }
 }
 

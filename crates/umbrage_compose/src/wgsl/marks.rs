@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use naga::{
-    ArraySize, Block, Expression, Function, Handle, Module, Span, Statement, Type, TypeInner,
+    ArraySize, Block, Expression, Function, Handle, Module, PredeclaredType, Span, Statement, Type,
+    TypeInner,
     proc::{LayoutError, Layouter},
 };
 
@@ -21,6 +22,10 @@ pub(super) struct Marked {
     pub(super) values: HashMap<usize, usize>,
     /// Sizes of workgroups that depend on overrides, by the marks of entry points.
     pub(super) workgroup_sizes: HashMap<usize, [Size; 3]>,
+    /// What local variables begin with whose types have no name in WGSL, to say what type they are.
+    pub(super) inferred: HashMap<usize, String>,
+    /// A local variable that WGSL has no way to declare.
+    pub(super) undeclarable: Option<(String, Span)>,
     /// The lengths of arrays that numbers stand for.
     pub(super) lengths: HashMap<u32, Length>,
     /// Tellers: functions that only tell an expression.
@@ -87,6 +92,8 @@ impl Marked {
             things: Vec::new(),
             values: HashMap::new(),
             workgroup_sizes: HashMap::new(),
+            inferred: HashMap::new(),
+            undeclarable: None,
             lengths: HashMap::new(),
             tellers: HashSet::new(),
             overrides: Vec::new(),
@@ -278,8 +285,18 @@ impl Marked {
         for argument in &mut function.arguments {
             argument.name = Some(word(self.named(&argument.name, scope)));
         }
-        for (_, local) in function.local_variables.iter_mut() {
-            local.name = Some(word(self.named(&local.name, scope)));
+        for (_, local, span) in function.local_variables.iter_mut_span() {
+            let mark = self.named(&local.name, scope);
+            local.name = Some(word(mark));
+            let predeclared = &self.module.special_types.predeclared_types;
+            if let Some((ty, _)) = predeclared.iter().find(|(_, ty)| **ty == local.ty) {
+                match zero(ty) {
+                    Some(value) => {
+                        self.inferred.insert(mark, value);
+                    }
+                    None => self.undeclarable = Some((self.things[mark].name.clone(), *span)),
+                }
+            }
         }
         for name in function.named_expressions.values_mut() {
             *name = word(self.mark(name, scope));
@@ -307,6 +324,20 @@ impl Marked {
 
 fn word(mark: usize) -> String {
     format!("{START}{mark}{END}")
+}
+
+/// A call that gives zeros of the predeclared type `ty`; none where there is none.
+fn zero(ty: &PredeclaredType) -> Option<String> {
+    let (function, size, scalar) = match *ty {
+        PredeclaredType::ModfResult { size, scalar } => ("modf", size, scalar),
+        PredeclaredType::FrexpResult { size, scalar } => ("frexp", size, scalar),
+        PredeclaredType::AtomicCompareExchangeWeakResult(_) => return None,
+    };
+    let scalar = if scalar.width == 2 { "f16" } else { "f32" };
+    Some(match size {
+        Some(size) => format!("{function}(vec{}<{scalar}>())", u32::from(size)),
+        None => format!("{function}({scalar}())"),
+    })
 }
 
 /// Whether naga has words for all of the module's own expressions.

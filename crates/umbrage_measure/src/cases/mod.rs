@@ -18,6 +18,7 @@ mod tests;
 mod tests_of_limits;
 #[cfg(test)]
 mod tests_of_scenes;
+mod wall;
 
 use std::{collections::BTreeMap, fmt};
 
@@ -119,7 +120,7 @@ fn choose<V: PartialEq + fmt::Display>(
 
 /// All hard cases, the same each time. A case stands after the one that it must look the same as.
 pub fn all() -> Vec<Case> {
-    let families: [fn() -> Vec<Case>; 7] = [
+    let families: [fn() -> Vec<Case>; 8] = [
         depth::cases,
         direction::cases,
         place::cases,
@@ -127,6 +128,7 @@ pub fn all() -> Vec<Case> {
         reach::cases,
         empty::cases,
         motion::cases,
+        wall::cases,
     ];
     families.into_iter().flat_map(|family| family()).collect()
 }

@@ -11,6 +11,7 @@ use super::{
     depth::SEAMS,
     direction::GRAZING,
     tests::{case, look, samples},
+    wall::WALL_LAMPS,
 };
 
 fn forward(scene: &Scene) -> DVec3 {
@@ -106,6 +107,35 @@ fn grazing_angles_are_exact() {
             (angle - degrees.to_radians()).abs() < 1e-12,
             "{name}: {angle}"
         );
+    }
+}
+
+/// Most of the wall lies at more than 87° to the light, some of it in shadow.
+#[test]
+fn lamps_graze_their_walls() {
+    for (name, _, gap) in WALL_LAMPS {
+        let case = case(name);
+        let (LightKind::Point { position, .. } | LightKind::Spot { position, .. }) =
+            case.scene.lights[0].light.kind
+        else {
+            unreachable!("a lamp")
+        };
+        assert_eq!(position.z, gap);
+        let wall = case.scene.objects.iter().position(|o| o.name == "wall");
+        let on_wall: Vec<_> = samples(&case)
+            .iter()
+            .filter(|(seen, _)| Some(seen.object as usize) == wall)
+            .map(|(seen, term)| {
+                let offset = seen.position + case.scene.camera.position - position;
+                (offset.truncate().length() / gap, *term > 0.5)
+            })
+            .collect();
+        let flat = on_wall.iter().filter(|(slope, _)| *slope > 19.0).count();
+        assert!(4 * flat > 3 * on_wall.len(), "{name}: {flat}");
+        for is_lit in [false, true] {
+            let found = on_wall.iter().filter(|s| s.0 > 19.0 && s.1 == is_lit);
+            assert!(found.count() > 2000, "{name}: {is_lit}");
+        }
     }
 }
 

@@ -127,7 +127,7 @@ impl Texel {
     /// The finest texel of `maps`, all of which hold the facet's middle.
     fn new(facet: &Facet, lamp: &Lamp, maps: &[&Map], picture: &Cells) -> Option<Self> {
         let point = facet.position;
-        let to_light = lamp.middle(point).0.try_normalize()?;
+        let to_light = lamp.middle(point).direction.try_normalize()?;
         let texel = maps
             .iter()
             .map(|map| map.cells.across(point, to_light))

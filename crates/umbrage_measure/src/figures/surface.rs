@@ -66,7 +66,7 @@ impl Surface {
     /// Whether the light, were it to arrive, would come from behind the side that is seen.
     pub(super) fn turned_away(&self, scene: &Scene, light: &Light) -> Vec<bool> {
         let lamp = Lamp::new(&light.kind, scene.camera.position);
-        let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).0) < 0.0;
+        let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).direction) < 0.0;
         let facets = self.facets.iter();
         facets
             .map(|facet| facet.as_ref().is_some_and(away))

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 use umbrage_shadow::LightKind;
 
-use super::{MOST_STRATA, Source};
+use super::{MOST_STRATA, Source, ray::Place};
 
 /// A light in the tracer's space.
 pub(crate) enum Lamp {
@@ -15,14 +15,22 @@ pub(crate) enum Lamp {
     },
     Bulb {
         position: DVec3,
+        /// By how much the position's coordinates may be off: in the world they have no finer steps.
+        error: f64,
         range: f64,
         /// The axis, and the cosine of the angle where the light ends.
         cone: Option<(DVec3, f64)>,
     },
 }
 
-/// Where to look from a point: a direction of any length, and how many of its lengths far.
-pub(crate) type Aim = (DVec3, f64);
+/// Where to look from a point.
+#[derive(Clone, Copy)]
+pub(crate) struct Aim {
+    /// The way there: as long as it is far, or of any length where there is no end.
+    pub(crate) direction: DVec3,
+    /// The place of the light that is looked for; none of what is infinitely far away.
+    pub(crate) end: Option<Place>,
+}
 
 impl Lamp {
     pub(crate) fn new(kind: &LightKind, origin: DVec3) -> Self {
@@ -36,16 +44,24 @@ impl Lamp {
                 outer_angle,
                 range,
                 ..
-            } => Self::Bulb {
-                position: position - origin,
+            } => Self::bulb(
+                position,
+                origin,
                 range,
-                cone: Some((direction, outer_angle.cos())),
-            },
-            LightKind::Point { position, range } => Self::Bulb {
-                position: position - origin,
-                range,
-                cone: None,
-            },
+                Some((direction, outer_angle.cos())),
+            ),
+            LightKind::Point { position, range } => Self::bulb(position, origin, range, None),
+        }
+    }
+
+    fn bulb(position: DVec3, origin: DVec3, range: f64, cone: Option<(DVec3, f64)>) -> Self {
+        let at = position - origin;
+        let largest = position.abs().max(at.abs()).max_element();
+        Self::Bulb {
+            position: at,
+            error: Place::rounding(largest),
+            range,
+            cone,
         }
     }
 
@@ -69,6 +85,7 @@ impl Lamp {
                 position,
                 range,
                 cone,
+                ..
             } => {
                 let offset = point - position;
                 let distance = offset.length();
@@ -81,8 +98,19 @@ impl Lamp {
     /// Where a point light's one ray goes from a point.
     pub(crate) fn middle(&self, point: DVec3) -> Aim {
         match self {
-            Self::Sun { to_light } => (*to_light, f64::INFINITY),
-            Self::Bulb { position, .. } => (position - point, 1.0),
+            Self::Sun { to_light } => Aim {
+                direction: *to_light,
+                end: None,
+            },
+            Self::Bulb {
+                position, error, ..
+            } => Aim {
+                direction: position - point,
+                end: Some(Place {
+                    at: *position,
+                    error: *error,
+                }),
+            },
         }
     }
 
@@ -96,12 +124,15 @@ impl Lamp {
         strata: u32,
         seed: u64,
     ) -> Option<impl Iterator<Item = Aim>> {
-        let (axis, distance, sine) = match self {
-            Self::Sun { to_light } => (*to_light, f64::INFINITY, size.sin()),
-            Self::Bulb { position, .. } => {
+        let (axis, distance, sine, error) = match self {
+            Self::Sun { to_light } => (*to_light, f64::INFINITY, size.sin(), 0.0),
+            Self::Bulb {
+                position, error, ..
+            } => {
                 let offset = position - point;
                 let distance = offset.length();
-                (offset / distance, distance, size / distance)
+                let error = error.max(Place::rounding(distance));
+                (offset / distance, distance, size / distance, error)
             }
         };
         if sine >= 1.0 {
@@ -117,14 +148,20 @@ impl Lamp {
             let (sin, cos) = (TAU * ((stratum / count) as f64 + y) / count as f64).sin_cos();
             let across = (part * (2.0 - part)).sqrt();
             let direction = (1.0 - part) * axis + across * (cos * right + sin * up);
-            let limit = if distance.is_finite() {
-                // The near side of the sphere.
-                let half_chord = (size * size - (distance * across).powi(2)).max(0.0).sqrt();
-                distance * (1.0 - part) - half_chord
-            } else {
-                distance
-            };
-            (direction, limit)
+            if distance.is_infinite() {
+                return Aim {
+                    direction,
+                    end: None,
+                };
+            }
+            // To the near side of the sphere.
+            let half_chord = (size * size - (distance * across).powi(2)).max(0.0).sqrt();
+            let direction = (distance * (1.0 - part) - half_chord) * direction;
+            let at = point + direction;
+            Aim {
+                direction,
+                end: Some(Place { at, error }),
+            }
         }))
     }
 }

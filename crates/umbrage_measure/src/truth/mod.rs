@@ -20,7 +20,11 @@ pub use self::{
     error::TruthError,
     record::{Truth, TruthStore},
 };
-use self::{lamp::Lamp, ray::Ray, triangles::Triangles};
+use self::{
+    lamp::{Aim, Lamp},
+    ray::{Place, Ray},
+    triangles::Triangles,
+};
 
 /// Pixels that a picture may have: an 8K picture's.
 pub const MOST_PIXELS: usize = 1 << 25;
@@ -195,12 +199,12 @@ impl Tracer {
         let lamp = self.lamp(light)?;
         self.each(sight, on_row, |seen, _| {
             let (ray, own) = self.leave(seen, &lamp)?;
-            let (direction, limit) = lamp.middle(seen.position);
-            if self.triangles.runs_along(own, direction) {
+            let aim = lamp.middle(seen.position);
+            if self.triangles.runs_along(own, aim.direction) {
                 return None;
             }
-            let distance = self.triangles.blocker(&ray(direction), limit, own)?;
-            Some(distance * direction.length())
+            let distance = self.triangles.blocker(&ray(aim), own)?;
+            Some(distance * aim.direction.length())
         })
     }
 
@@ -213,9 +217,12 @@ impl Tracer {
         // No triangle's number: the point lies on none.
         const NONE: u32 = u32::MAX;
         let lamp = self.lamp(light)?;
-        let (direction, limit) = lamp.middle(point);
-        let ray = Ray::new(point, 0.0, direction);
-        Ok(lamp.reaches(point) && !self.triangles.is_blocked(&ray, limit, NONE))
+        let at = Place {
+            at: point,
+            error: 0.0,
+        };
+        let ray = Ray::new(at, lamp.middle(point));
+        Ok(lamp.reaches(point) && !self.triangles.is_blocked(&ray, NONE))
     }
 
     fn lamp(&self, light: usize) -> Result<Lamp, TruthError> {
@@ -260,7 +267,15 @@ impl Tracer {
         let slope = (0.5 * projection.fov_y).tan();
         let direction = DVec3::new(across * slope * projection.aspect, -down * slope, -1.0);
         // One length of it is one metre of depth, which is what near and far are given in.
-        let ray = Ray::new(DVec3::ZERO, 0.0, view.rotation.normalize() * direction);
+        let eye = Place {
+            at: DVec3::ZERO,
+            error: 0.0,
+        };
+        let aim = Aim {
+            direction: view.rotation.normalize() * direction,
+            end: None,
+        };
+        let ray = Ray::new(eye, aim);
         let (triangle, position) = self
             .triangles
             .nearest(&ray, projection.near, projection.far)?;
@@ -274,11 +289,11 @@ impl Tracer {
 
     fn term(&self, seen: &Seen, lamp: &Lamp, source: Source, seed: u64) -> Option<f32> {
         let (ray, own) = self.leave(seen, lamp)?;
-        let is_lit = |(direction, limit)| !self.triangles.is_blocked(&ray(direction), limit, own);
+        let is_lit = |aim| !self.triangles.is_blocked(&ray(aim), own);
         let Source::Round { size, strata } = source else {
             let aim = lamp.middle(seen.position);
             // What the light runs along gets none of it, and whether it meets the next edge is chance.
-            return (!self.triangles.runs_along(own, aim.0))
+            return (!self.triangles.runs_along(own, aim.direction))
                 .then(|| f32::from(u8::from(is_lit(aim))));
         };
         let Some(rays) = lamp.spread(seen.position, size, strata, seed) else {
@@ -290,14 +305,16 @@ impl Tracer {
 
     /// How rays leave a point in any direction, and the number of the triangle that it lies on; none
     /// where the light does not reach.
-    fn leave(&self, seen: &Seen, lamp: &Lamp) -> Option<(impl Fn(DVec3) -> Ray + use<>, u32)> {
-        let point = seen.position;
-        if !lamp.reaches(point) {
+    fn leave(&self, seen: &Seen, lamp: &Lamp) -> Option<(impl Fn(Aim) -> Ray + use<>, u32)> {
+        if !lamp.reaches(seen.position) {
             return None;
         }
         let own = self.triangles.number(seen.object, seen.triangle)?;
-        let error = self.triangles.rounding(own);
-        Some((move |direction| Ray::new(point, error, direction), own))
+        let place = Place {
+            at: seen.position,
+            error: self.triangles.rounding(own),
+        };
+        Some((move |aim| Ray::new(place, aim), own))
     }
 }
 

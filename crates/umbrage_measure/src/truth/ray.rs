@@ -3,11 +3,23 @@
 use glam::DVec3;
 use parry3d_f64::partitioning::BvhNode;
 
+use super::lamp::Aim;
+
+/// A point, as well as it is known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// Metres, world axes, relative to the camera.
+    pub(crate) at: DVec3,
+    /// By how much its coordinates may be off; metres.
+    pub(crate) error: f64,
+}
+
 /// A ray, with what it takes to meet many boxes and triangles.
 pub(super) struct Ray {
     origin: DVec3,
-    /// By how much the origin's coordinates may be off; metres.
     error: f64,
+    /// Where it ends, one length of the direction from the origin.
+    end: Option<Place>,
     direction: [f64; 3],
     inverse: [f64; 3],
     /// The direction's longest axis, and the two others.
@@ -27,16 +39,24 @@ pub(super) struct Meeting {
     pub(super) rounding: f64,
 }
 
+impl Place {
+    /// What a few roundings of coordinates up to `size` may make of them; metres.
+    pub(crate) fn rounding(size: f64) -> f64 {
+        4.0 * f64::EPSILON * size
+    }
+}
+
 impl Ray {
-    /// A ray; `direction` is finite and not zero.
-    pub(super) fn new(origin: DVec3, error: f64, direction: DVec3) -> Self {
+    /// A ray; its direction is finite and not zero.
+    pub(super) fn new(origin: Place, Aim { direction, end }: Aim) -> Self {
         let longest = direction.abs().max_position();
         let axes = [longest, (longest + 1) % 3, (longest + 2) % 3];
         let direction = direction.to_array();
         let along = direction[axes[0]];
         Self {
-            origin,
-            error,
+            origin: origin.at,
+            error: origin.error,
+            end,
             direction,
             inverse: direction.map(f64::recip),
             axes,
@@ -46,6 +66,11 @@ impl Ray {
                 direction[axes[2]] / along,
             ],
         }
+    }
+
+    /// How far it goes, in lengths of its direction.
+    pub(super) fn limit(&self) -> f64 {
+        self.end.map_or(f64::INFINITY, |_| 1.0)
     }
 
     /// Where the ray enters the node's box, 0 where it starts inside. None where it passes by, or
@@ -100,6 +125,24 @@ impl Ray {
             shares,
             rounding: self.rounding(corners, whole),
         })
+    }
+
+    /// Whether the ray, which meets the plane of these corners, goes on to the plane's other side: whether its end lies
+    /// there, farther from the plane than what is known of both, the end's error and how far off the corners may be
+    /// along each axis (`coarse`, metres). All is computed as seen from the end, and does not depend on where the
+    /// ray comes from.
+    pub(super) fn crosses(&self, [a, b, c]: [DVec3; 3], coarse: impl Fn() -> DVec3) -> bool {
+        let Some(end) = self.end else {
+            return true;
+        };
+        let normal = (b - a).cross(c - a);
+        let onwards = normal.dot(DVec3::from_array(self.direction));
+        let beyond = normal.dot(end.at - a) * onwards.signum();
+        let edges = (b - a).length() * (c - a).length();
+        let reach = [a, b, c].map(|corner| corner.distance(end.at));
+        let reach = reach.into_iter().fold(0.0, f64::max);
+        let rounding = 16.0 * edges * (f64::EPSILON * reach + end.error);
+        beyond > rounding + normal.abs().dot(coarse())
     }
 
     /// The distance is n · a / n · d, for the triangle's normal n (unnormalised), a corner a seen from

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2};
+use glam::{DMat3, DVec3, Vec2};
 use parry3d_f64::{
     bounding_volume::Aabb,
     math::Vector,
@@ -13,13 +13,16 @@ use umbrage_render::{Material, Mesh, Object, Scene};
 use super::{
     TruthError,
     opacity::is_solid,
-    ray::{Meeting, Ray},
+    ray::{Meeting, Place, Ray},
 };
 
 /// As many as the tree can count.
 const MOST_TRIANGLES: usize = (1 << 30) - 1;
 /// Metres from the camera; products of four such lengths are far from f64's end.
 const FARTHEST: f64 = 1e15;
+
+/// By which share of themselves a mesh's coordinates may be off: a step of f32, in which they are given.
+const GIVEN: f64 = f32::EPSILON as f64;
 
 /// The sine of the angle between a ray and a plane, in four steps of an f32, below which which side of the
 /// plane the ray is on cannot be told.
@@ -39,6 +42,8 @@ struct Part {
     first_vertex: u32,
     mesh: Arc<Mesh>,
     material: Arc<Material>,
+    /// Of the transform's linear part, by how much each axis of the mesh moves each of the world's.
+    stretch: DMat3,
 }
 
 impl Triangles {
@@ -73,6 +78,7 @@ impl Triangles {
             first_vertex,
             mesh: object.mesh.clone(),
             material: object.material.clone(),
+            stretch: object.transform.matrix3.abs(),
         });
         let transform = object.transform;
         // Before anything is rounded: far out, both are large and nearly the same.
@@ -182,37 +188,53 @@ impl Triangles {
         let corners = self
             .corners(triangle)
             .map(|corner| corner.abs().max_element());
-        4.0 * f64::EPSILON * corners.into_iter().fold(0.0, f64::max)
+        Place::rounding(corners.into_iter().fold(0.0, f64::max))
     }
 
-    /// Whether a caster other than the triangle `own` stands on the ray's way to `limit`, in lengths
-    /// of its direction.
-    pub(super) fn is_blocked(&self, ray: &Ray, limit: f64, own: u32) -> bool {
+    /// By how much the corners of a triangle may be off along the world's axes, as they were given; metres.
+    fn coarseness(&self, triangle: u32) -> DVec3 {
+        let part = &self.objects[self.owner(triangle).0 as usize];
+        let given = |corner: u32| {
+            let position = part.mesh.positions[(corner - part.first_vertex) as usize];
+            position.abs().as_dvec3()
+        };
+        let [a, b, c] = self.corners[triangle as usize].map(given);
+        GIVEN * (part.stretch * a.max(b).max(c))
+    }
+
+    /// Whether a caster other than the triangle `own` stands on the ray's way.
+    pub(super) fn is_blocked(&self, ray: &Ray, own: u32) -> bool {
         self.tree
-            .leaves(|node| ray.enter(node, limit).is_some())
-            .any(|triangle| self.block(ray, limit, own, triangle).is_some())
+            .leaves(|node| ray.enter(node, ray.limit()).is_some())
+            .any(|triangle| self.block(ray, own, triangle).is_some())
     }
 
     /// How far away the nearest thing is that makes [`is_blocked`](Self::is_blocked) true, in lengths of
     /// the ray's direction.
-    pub(super) fn blocker(&self, ray: &Ray, limit: f64, own: u32) -> Option<f64> {
-        let enter = |node: &_, best: f64| ray.enter(node, best).unwrap_or(f64::MAX);
+    pub(super) fn blocker(&self, ray: &Ray, own: u32) -> Option<f64> {
+        let enter = |node: &_, best: f64| {
+            let entered = ray.enter(node, best.min(ray.limit()));
+            entered.unwrap_or(f64::MAX)
+        };
         let block = |triangle: u32, _| {
-            let distance = self.block(ray, limit, own, triangle)?;
+            let distance = self.block(ray, own, triangle)?;
             Some((distance, ()))
         };
-        let (_, (distance, ())) = self.tree.find_best(limit, enter, block)?;
+        // What lies just before the end may by rounding be met just behind it.
+        let (_, (distance, ())) = self.tree.find_best(f64::INFINITY, enter, block)?;
         Some(distance)
     }
 
-    /// How far away a triangle keeps light from reaching the triangle `own`, if it does.
-    fn block(&self, ray: &Ray, limit: f64, own: u32, triangle: u32) -> Option<f64> {
+    /// How far away a triangle keeps light from reaching the triangle `own`, if it does: where the two ends of the
+    /// ray lie on different sides of it. One that an end lies on shades nothing.
+    fn block(&self, ray: &Ray, own: u32, triangle: u32) -> Option<f64> {
         if triangle == own {
             return None;
         }
-        let meeting = ray.meet(self.corners(triangle))?;
+        let corners = self.corners(triangle);
+        let meeting = ray.meet(corners)?;
         let blocks = meeting.distance > meeting.rounding
-            && meeting.distance < limit
+            && ray.crosses(corners, || self.coarseness(triangle))
             && self.objects[self.owner(triangle).0 as usize].material.casts
             && self.is_solid(triangle, &meeting);
         blocks.then_some(meeting.distance)

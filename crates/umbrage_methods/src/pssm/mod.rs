@@ -61,13 +61,13 @@
 //!
 //! | lookup | instructions | registers | fetches | uniforms | then: instructions | uniforms | interpolators |
 //! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
-//! | `branches` | 608 | 24 | 4 | 29 | 25 | 18 | 5 |
-//! | `weights` | 601 | 32 | 16 | 29 | 15 | | |
-//! | `matrix_texture` | 239 | 32 | 9 | 9 | 19 | 2 | 1 |
-//! | `packed` | 245 | 24 | 4 | 25 | | | |
-//! | `masks` | 270 | 24 | 4 | 17 | | | |
-//! | `channels` | 385 | 32 | 16 | 25 | | | |
-//! | `storage` | 236 | 32 | 4 | 9 | | | |
+//! | `branches` | 684 | 24 | 4 | 29 | 25 | 18 | 5 |
+//! | `weights` | 677 | 32 | 16 | 29 | 15 | | |
+//! | `matrix_texture` | 257 | 32 | 9 | 9 | 19 | 2 | 1 |
+//! | `packed` | 264 | 24 | 4 | 25 | | | |
+//! | `masks` | 289 | 24 | 4 | 17 | | | |
+//! | `channels` | 400 | 32 | 16 | 25 | | | |
+//! | `storage` | 255 | 24 | 4 | 9 | | | |
 //!
 //! Without filter and receiver's plane (`cargo bench --profile dev -p umbrage_bench --bench methods`), RADV expects of
 //! `storage` and `matrix_texture` 0.97 of the inverse throughput of `branches`, of `packed` 1.06, and of one map without any
@@ -75,8 +75,8 @@
 //! takes all ways, `packed` and `matrix_texture` take 0.39 and 0.40 of the time.
 //!
 //! # Limits
-//! Point lights are not supported: a cube map has no splits. Receivers at more than 87° to the light are compared
-//! at their own depth plus `depth_bias`, as with [`crate::basic`]. Between splits, the size of texels jumps.
+//! Point lights are not supported: a cube map has no splits. Flat light is followed as by [`crate::basic`], with
+//! its limits. Between splits, the size of texels jumps.
 
 mod fit;
 mod lookup;

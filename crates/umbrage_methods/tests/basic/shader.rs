@@ -8,8 +8,11 @@ use umbrage_shadow::*;
 
 use crate::scene::{Scene, casters, matrix, plan};
 
-/// A plane does not shade itself up to 87° to the light, and is shaded by what lies a few texels above it,
-/// for every width. Beyond, only the latter.
+/// The shader's constant.
+const STEEPEST: f64 = 64.0;
+
+/// A plane does not shade itself at any angle to the light, and is shaded by what lies a few texels above it,
+/// for every width.
 #[test]
 fn planes_are_lit_and_covered() {
     for kind in [
@@ -28,7 +31,9 @@ fn planes_are_lit_and_covered() {
             range: 30.0,
         },
     ] {
-        for degrees in [0.0, 30.0, 60.0, 80.0, 85.0, 86.5, 89.0] {
+        for degrees in [
+            0.0, 30.0, 60.0, 80.0, 85.0, 86.5, 88.0, 89.0, 89.5, 89.9, 89.99,
+        ] {
             for width in [1, 3, 5, 7, 15] {
                 check_plane(kind.clone(), f64::to_radians(degrees), width);
             }
@@ -103,19 +108,19 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
         let turned_away = normal.dot(to_light) <= 0.0;
         let facing = normal.dot(to_light).abs();
         let slope = (1.0 - facing * facing).sqrt() / facing;
-        // The shader's limit; near it, the two may take either side.
-        let followed = slope < 18.0 && !turned_away;
-        if followed {
+        if !turned_away {
             let lit = twin.calc_shadow(point, normal, depth(0.0));
             assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
         }
         // A fetch lies at most a slope's texel above the plane on each axis, and the plane's texels as
-        // much below it; an unfollowed plane differs over the whole filter.
-        let reach = if followed {
-            2.0
+        // much below it; what of the slope is not followed differs over the whole filter, and is stepped aside for. A plane
+        // that is turned away is followed nowhere.
+        let left = if turned_away {
+            1.0
         } else {
-            2.0 + 0.5 * f64::from(width)
+            (1.0 - STEEPEST / slope).max(0.0)
         };
+        let reach = 2.0 + left * f64::from(width);
         let texels = reach * 2f64.sqrt() * slope + 4.0;
         let size = texel(&passes, point);
         // Only where the filter's taps stay on the part of the plane that is in the box: the map ends with it.

@@ -19,8 +19,8 @@ pub(super) const SEEN_PLANES: &str = "seen_planes";
 pub(super) const SEEN_DEPTHS: &str = "seen_depths";
 
 /// Each pixel's plane: the unit normal and the linear depth, 0 where nothing is seen. In 16 bytes a
-/// pixel, all floats: a normal in two halves is 1e-3 radians off, which at the slope of 19 that a
-/// method follows a receiver's plane to moves the plane by a third.
+/// pixel, all floats: a normal in two halves is 1e-3 radians off, which at a slope of 19, light at 87°, moves a
+/// receiver's plane by a third.
 pub(super) const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// The least and the greatest depth in a block of pixels, in what the baseline can store to.

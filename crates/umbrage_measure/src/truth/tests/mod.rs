@@ -3,6 +3,7 @@
 mod closed_forms;
 mod gaps;
 mod holes;
+mod on_surfaces;
 mod record;
 mod refusals;
 mod soft;

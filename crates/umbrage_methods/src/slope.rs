@@ -1,0 +1,122 @@
+//! How a receiver's plane is followed in a map, however flat the light comes in: `common/slope.wesl` on the CPU.
+//!
+//! A filter asks a map about places beside the receiver, where the receiver's own plane is nearer to the light or
+//! farther: by s texels' widths a texel, the tangent of the angle between light and normal. What is compared
+//! follows the plane. The four texels of one fetch are compared with one depth, though, each within a texel of its tap; so what is
+//! compared leans towards the light by |s|₁, the sum over both axes, which none of the plane's own texels exceeds.
+//!
+//! What leans misses what shades the receiver from nearer: |s|₁ texels along the ray, which is a texel or so off the
+//! plane, but has no end at the horizon. So from [`STEEPEST`] on only a share c of the slope is followed, and a map is
+//! asked elsewhere, a step of
+//!
+//! (1 − c) · (W + 1) / 2 · |s|₁ / |s| texels,
+//!
+//! towards where the plane falls away from the light. That is enough: a tap at t, each coordinate within
+//! (W − 1) / 2, compares the receiver's depth + c s · t + c |s|₁ with texels at t + e, each coordinate of e within 1, where
+//! the plane is at s · (t + e). Without the step the plane were nearer by (1 − c) |s|₁ · (W + 1) / 2 at the most; a step d
+//! puts it deeper by |s| d. So no texel of a plane shades it, at any angle, and what is missed is bounded twice: along the ray
+//! by [`STEEPEST`], and off the plane by the step, √2 (W + 1) / 2 texels at the horizon. The step is a normal offset in
+//! the map's own units; there is no length to choose for it. A map's own edge may cut it short.
+//!
+//! # Which slope
+//! What follows a plane loses the near ends of shadows, where what shades is within |s|₁ along the ray; what steps aside
+//! loses their far ends, and all that is lower than the step, which grows with the filter. False shadow / false light in
+//! percent of the samples (`umbrage stress --json`), by the slope up to which planes are followed. Before, nothing stepped
+//! aside:
+//!
+//! | case, variant | before, 19 | 19 | 40 | 57 | 64 | 100 | 1000 |
+//! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
+//! | `wall-lamp`, basic | 21.51 / 0.14 | 0.05 / 1.71 | 0.03 / 0.82 | 0.10 / 0.25 | 0.24 / 0.19 | 0.25 / 0.19 | 0.25 / 0.19 |
+//! | `wall-lamp`, basic 15 | 21.98 / 0.17 | 0.13 / 6.59 | 0.15 / 2.62 | 0.11 / 0.77 | 0.31 / 0.37 | 0.32 / 0.37 | 0.32 / 0.37 |
+//! | `wall-lamp-near`, basic | 25.65 / 0.08 | 0.08 / 0.10 | 0.07 / 0.13 | 0.06 / 0.17 | 0.05 / 0.20 | 0.04 / 0.40 | 0.02 / 0.49 |
+//! | `wall-lamp-near`, basic 15 | 26.17 / 0.14 | 0.24 / 0.64 | 0.20 / 0.78 | 0.16 / 0.68 | 0.14 / 0.59 | 0.08 / 0.59 | 0.02 / 0.71 |
+//! | `wall-lamp-wash`, basic | 16.39 / 0.09 | 0.05 / 0.46 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 | 0.10 / 0.39 |
+//! | `wall-lamp-wash`, pssm | 23.92 / 0.18 | 0.02 / 1.11 | 0.16 / 1.02 | 0.22 / 1.08 | 0.22 / 1.08 | 0.22 / 1.08 | 0.22 / 1.08 |
+//! | `grazing-89`, basic | 35.88 / 0.30 | 0.05 / 1.63 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 | 0.13 / 0.84 |
+//! | `grazing-89`, basic 15 | 33.23 / 0.25 | 0.02 / 9.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.07 / 4.01 | 0.07 / 4.01 |
+//!
+//! Of the light that reaches the wall 5 cm behind the lamp, all this is little: 0.95 % were falsely dark, 0.01 % are. What is
+//! left in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
+
+use glam::DVec2;
+
+/// The slope up to which a plane is followed whole, in texels' widths a texel: the shader's constant.
+pub(crate) const STEEPEST: f64 = 64.0;
+
+/// Texels by which a rasteriser's grid displaces a plane, and more: the shader's constant.
+pub(crate) const ASTRAY: f64 = 1.0 / 256.0;
+
+/// How a plane is asked about in a map: the shader's struct.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Followed {
+    /// What its depth is taken to change by a texel.
+    pub slope: DVec2,
+    /// How far from its own place it is asked about, in the filter's reaches.
+    pub aside: DVec2,
+}
+
+impl Followed {
+    /// A plane whose depth changes by `across` / `toward` a texel, where `steepest` is the most that is followed; not
+    /// at all where it is unknown or turned away.
+    pub(crate) fn new(across: DVec2, steepest: f64, toward: f64) -> Self {
+        let most = steepest * toward;
+        if most.is_nan() || most <= 0.0 {
+            return Self::default();
+        }
+        let steep = across.length().max(most);
+        let way = across / steep;
+        let left = (1.0 - most / steep) * way.abs().element_sum();
+        Self {
+            slope: steepest * way,
+            aside: -left * way,
+        }
+    }
+}
+
+/// How far from its middle a filter `width` texels wide reads, texels.
+pub(crate) fn reach(width: u32) -> f64 {
+    0.5 * f64::from(width) + 0.5 + ASTRAY
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// However steep a plane is, no texel of it that a tap reads is nearer to the light than what the tap compares,
+        /// and the map is asked no farther aside than is said.
+        #[test]
+        fn no_plane_shades_itself(
+            turn in 0.0..6.3, octaves in -3.0..30.0, width in prop::sample::select(vec![1u32, 3, 5, 7, 15]),
+            tap in [-1.0..=1.0, -1.0..=1.0], texel in [-1.0..=1.0, -1.0..=1.0],
+        ) {
+            let slope = f64::exp2(octaves) * DVec2::from_angle(turn);
+            let Followed { slope: followed, aside } = Followed::new(slope, STEEPEST, 1.0);
+            let step = reach(width) * aside;
+            let tap = 0.5 * (f64::from(width) - 1.0) * DVec2::from(tap);
+            let compared = followed.dot(tap) + (1.0 + ASTRAY) * followed.abs().element_sum();
+            let held = slope.dot(step + tap + DVec2::from(texel));
+            prop_assert!(held <= compared + 1e-12 * slope.length(), "{held} {compared}");
+            prop_assert!(step.length() <= 2f64.sqrt() * reach(width));
+            prop_assert!(followed.length() <= STEEPEST * (1.0 + 1e-12));
+            if slope.length() <= STEEPEST {
+                prop_assert!(followed.abs_diff_eq(slope, 1e-9) && aside == DVec2::ZERO);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_unknown_or_turned_away_is_not_followed() {
+        for toward in [0.0, -1.0, f64::NAN] {
+            assert_eq!(
+                Followed::new(DVec2::X, STEEPEST, toward),
+                Followed::default()
+            );
+        }
+        // On edge to the light it is not, as far as numbers tell.
+        let edge = Followed::new(DVec2::X, STEEPEST, f64::MIN_POSITIVE);
+        assert_eq!((edge.slope, edge.aside), (STEEPEST * DVec2::X, -DVec2::X));
+    }
+}
