@@ -51,8 +51,9 @@
 //!    are put right. Calls of stand-ins lead to the real functions, through the bindings.
 //! 4. Binding numbers are the authors' where they are free, and otherwise the least free ones, in the
 //!    order of the modules' paths: the same for everyone, always.
-//! 5. Naga validates the module against the target, all but its uniformity, which is decided as WGSL's
-//!    specification does. Diagnostic filters hold where their authors wrote them, and are printed again.
+//! 5. Naga validates the module against the target, and what naga does not check is checked by rules of our own
+//!    (`rules`): aliases, flow, constants, stages, limits. Uniformity is decided as WGSL's specification does
+//!    (`uniformity`). Diagnostic filters hold where their authors wrote them, and are printed again.
 //!
 //! Before any of that, a key is *projected*: following imports and bindings from the root notes each
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
@@ -80,6 +81,8 @@
 //! # Faults
 //! Every fault says what is wrong, where (file, line, column, source line), and what to do; and in which
 //! permutation. See [`Fault`].
+#![doc = ""]
+#![doc = include_str!("../support.md")]
 
 mod axes;
 mod bindings;

@@ -5,9 +5,11 @@
 
 mod abstracts;
 mod aliases;
+mod alignment;
 mod constants;
 mod flow;
 mod limits;
+mod math;
 mod stages;
 mod value;
 mod varyings;
@@ -33,6 +35,7 @@ pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
         constants.check(function)?;
         abstracts::check(function, text)?;
     }
+    alignment::check(module, text)?;
     aliases::check(module)
 }
 

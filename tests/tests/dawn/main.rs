@@ -18,7 +18,7 @@ use std::{
 };
 
 use rayon::prelude::*;
-use umbrage::compose::{Composer, Library, Manifest, Package, Target};
+use umbrage::compose::{Composer, Library, Limit, Manifest, Package, Target};
 use umbrage_tests::Dawn;
 
 /// A stored shader.
@@ -69,14 +69,29 @@ fn shaders() -> Vec<Shader> {
 
 /// Why we refuse the shader `text` for WebGPU; none where we take it.
 fn our_refusal(text: &str) -> Option<String> {
-    let axes = r#"(axes: { "pass": (values: { "main": (root: "package::main") }) })"#;
-    let files = [("axes.ron", axes), ("main.wgsl", text)];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    our_refusal_of(&[("main.wesl", text)])
+}
+
+/// The same of a package of `files`, the first of which is the pass.
+fn our_refusal_of(files: &[(&str, &str)]) -> Option<String> {
+    let axes = r#"(axes: {
+        "pass": (values: { "main": (root: "package::main") }),
+        "hue": (default: "none", values: {
+            "none": (), "coloured": (features: ["COLOURED"]), "grey": (features: ["GREY"]),
+        }),
+    })"#;
+    let files = files.iter().chain(&[("axes.ron", axes)]);
+    let files = files.map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
     let composed = Package::from_sources("demo", "demo", files)
         .and_then(|package| Library::new([package]))
         .and_then(|library| {
-            let key = library.key([("pass", "main")])?;
-            Composer::new(library, Target::webgpu()).compose(&key)
+            let hues = ["none", "coloured", "grey"]
+                .map(|hue| library.key([("pass", "main"), ("hue", hue)]));
+            let composer = Composer::new(library, Target::webgpu());
+            for key in hues {
+                composer.compose(&key?)?;
+            }
+            Ok(())
         });
     composed.err().map(|error| error.to_string())
 }
@@ -177,6 +192,87 @@ fn every_permutation_is_taken_by_dawn() {
         texts.len(),
         refused.join("\n")
     );
+}
+
+/// The rows of the page that says what is supported, cell by cell.
+fn rows(page: &str) -> Vec<Vec<&str>> {
+    let rows = page.lines().filter(|line| line.starts_with("| "));
+    rows.map(|row| row.trim_matches('|').split('|').map(str::trim).collect())
+        .collect()
+}
+
+/// What the composer's page says of WGSL and WESL is so: each row's shader is taken, or refused, as the row has it.
+#[test]
+fn the_page_of_what_is_supported_is_so() {
+    let home = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = home.join("../crates/umbrage_compose/support.md");
+    let page = fs::read_to_string(page).expect("a page");
+    let shapes = fs::read_to_string(home.join("wesl/shapes.wesl")).expect("a text");
+    let mut shown = 0;
+    let mut wrong = Vec::new();
+    for row in rows(&page) {
+        let [what, taken, shader] = row.as_slice() else {
+            continue;
+        };
+        let Some(path) = shader
+            .strip_prefix('`')
+            .and_then(|path| path.strip_suffix('`'))
+        else {
+            continue;
+        };
+        shown += 1;
+        let (ours, dawns) = if path.starts_with("wesl/") {
+            let text = fs::read_to_string(home.join(path)).expect(path);
+            let ours = our_refusal_of(&[("main.wesl", &text), ("shapes.wesl", &shapes)]);
+            // Of WESL, Dawn knows nothing.
+            (ours.clone(), ours)
+        } else {
+            let path = home.join("dawn/shaders").join(path);
+            let text = fs::read_to_string(&path).expect("a text");
+            let shader = Shader { path, text };
+            (
+                our_refusal(&shader.text),
+                shader.stored().map(str::to_owned),
+            )
+        };
+        let is = match (ours.is_none(), dawns.is_none()) {
+            (true, true) => "yes",
+            (false, false) => "no",
+            (false, true) => "not by naga",
+            (true, false) => "by us alone",
+        };
+        if is != *taken {
+            wrong.push(format!(
+                "{what}: {taken}, but {is}: {}",
+                ours.unwrap_or_default()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(shown > 40, "{shown}");
+}
+
+/// The page has every limit with its value, and for each there is a stored shader that is beyond it.
+#[test]
+fn every_limit_is_on_the_page_and_is_held() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/umbrage_compose/support.md");
+    let page = fs::read_to_string(page).expect("a page");
+    let shaders = shaders();
+    for limit in Limit::ALL {
+        let row = format!("| `{}` | {} |", limit.name(), limit.webgpu());
+        assert!(page.contains(&row), "{row}");
+        let beyond = |shader: &Shader| shader.words() == Some(limit.name());
+        assert!(
+            shaders.iter().any(beyond),
+            "no shader is beyond {}",
+            limit.name()
+        );
+    }
+    let limits = rows(&page)
+        .iter()
+        .filter(|row| row[0].starts_with("`max"))
+        .count();
+    assert_eq!(limits, Limit::ALL.len());
 }
 
 /// How many shaders are made at random.
