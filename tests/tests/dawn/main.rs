@@ -80,8 +80,8 @@ fn our_refusal_of(files: &[(&str, &str)]) -> Option<String> {
             "none": (), "coloured": (features: ["COLOURED"]), "grey": (features: ["GREY"]),
         }),
     })"#;
-    let files = files.iter().chain(&[("axes.ron", axes)]);
-    let files = files.map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
+    let files = files.iter().copied().chain([("axes.ron", axes)]);
+    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
     let composed = Package::from_sources("demo", "demo", files)
         .and_then(|package| Library::new([package]))
         .and_then(|library| {

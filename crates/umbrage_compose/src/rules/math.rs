@@ -348,8 +348,10 @@ impl Domain {
     }
 }
 
+type OfNumber = fn(f64) -> f64;
+
 /// Functions of one number, which naga evaluates itself but of an override.
-fn scalar_function(fun: MathFunction) -> Option<(fn(f64) -> f64, Domain)> {
+fn scalar_function(fun: MathFunction) -> Option<(OfNumber, Domain)> {
     use MathFunction as F;
     Some(match fun {
         F::Abs => (f64::abs, Domain::Everywhere),
