@@ -13,7 +13,7 @@ use umbrage::compose::{Error, Target, link_file};
 use umbrage_tests::{Dawn, random_shader};
 
 /// How many shaders.
-const SHADERS: u64 = 3000;
+const SHADERS: u64 = 2000;
 
 fn stored() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("dawn/random_uniformity.txt")

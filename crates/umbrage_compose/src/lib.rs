@@ -52,7 +52,8 @@
 //! 4. Binding numbers are the authors' where they are free, and otherwise the least free ones, in the
 //!    order of the modules' paths: the same for everyone, always.
 //! 5. Naga validates the module against the target, and what naga does not check is checked by rules of our own
-//!    (`rules`): aliases, flow, constants, stages, limits.
+//!    (`rules`): aliases, flow, constants, stages, limits. Uniformity is decided as WGSL's specification does
+//!    (`uniformity`). Diagnostic filters hold where their authors wrote them, and are printed again.
 //!
 //! Before any of that, a key is *projected*: following imports and bindings from the root notes each
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on

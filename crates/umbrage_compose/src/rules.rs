@@ -5,6 +5,7 @@
 
 mod abstracts;
 mod aliases;
+mod alignment;
 mod constants;
 mod flow;
 mod limits;
@@ -34,6 +35,7 @@ pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
         constants.check(function)?;
         abstracts::check(function, text)?;
     }
+    alignment::check(module, text)?;
     aliases::check(module)
 }
 

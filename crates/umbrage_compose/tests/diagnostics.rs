@@ -305,3 +305,29 @@ fn subgroup_operations_have_a_rule_of_their_own() {
         "{text}"
     );
 }
+
+/// Naga lays out a struct within another without what `@align` asks of its members.
+#[test]
+fn an_alignment_within_a_member_is_not_lost_unawares() {
+    let main = |outer: &str| {
+        format!(
+            "struct Inner {{ @align(32) x: f32, y: f32 }}
+struct Outer {{ {outer} }}
+@group(0) @binding(0) var<storage> given: Outer;
+@fragment fn fs() -> @location(0) vec4f {{ return vec4f(given.inner.y); }}
+"
+        )
+    };
+    for outer in ["z: f32, inner: Inner", "inner: Inner, z: f32"] {
+        let error = linked(&[("main.wesl", &main(outer))]).expect_err("another layout");
+        let fault = &error.faults()[0];
+        assert!(fault.message.contains("aligned to 32"), "{error}");
+        let place = fault.location().expect("a place");
+        let column = "struct Outer { ".len() + outer.find("inner").unwrap_or(0) + 1;
+        assert_eq!((place.line, place.column), (2, column), "{error}");
+    }
+    let text = wgsl(&[("main.wesl", &main("z: f32, @align(32) inner: Inner"))]);
+    assert!(text.contains("@size(32) z: f32"), "{text}");
+    let text = wgsl(&[("main.wesl", &main("inner: Inner"))]);
+    assert!(text.contains("@size(28) y: f32"), "{text}");
+}

@@ -100,3 +100,28 @@ fn names_that_end_in_a_digit() {
         "{wgsl}"
     );
 }
+
+#[test]
+fn filters_are_kept_and_what_they_allow_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "@diagnostic(warning, derivative_uniformity)
+@fragment fn fs(@location(0) x: f32) -> @location(0) vec4f {
+    if x > 0.5 {
+        return vec4f(dpdx(x));
+    }
+    return vec4f();
+}
+";
+    write(&folder, "main.wgsl", text);
+    let output = umbrage(&["link", &path_in(&folder, "main.wgsl")]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let directive = "diagnostic(warning, derivative_uniformity);\n";
+    assert!(
+        stdout(&output).starts_with(directive),
+        "{}",
+        stdout(&output)
+    );
+    let said = stderr(&output);
+    assert!(said.starts_with("warning: `dpdx` must only be called from uniform control flow"));
+    assert!(said.contains("main.wgsl:4:22"), "{said}");
+}
