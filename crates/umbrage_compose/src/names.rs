@@ -145,12 +145,12 @@ impl Site<'_> {
     }
 }
 
+/// An item of an import: its path as written, its absolute path or the fault of it, and the item.
+type Imported<'a> = (String, Result<Vec<String>, Fault>, &'a ImportItem);
+
 /// Each item that `statement` imports: its path as written, its absolute path, from its package on, or the
 /// fault of it, and the item.
-fn flatten<'a>(
-    site: &Site<'_>,
-    statement: &'a ImportStatement,
-) -> Vec<(String, Result<Vec<String>, Fault>, &'a ImportItem)> {
+fn flatten<'a>(site: &Site<'_>, statement: &'a ImportStatement) -> Vec<Imported<'a>> {
     let mut items = Vec::new();
     collect(&[], &statement.content, &mut items);
     let resolved = |(segments, item): (Vec<String>, &'a ImportItem)| {

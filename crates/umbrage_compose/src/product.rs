@@ -100,7 +100,7 @@ impl Product {
 
     /// Calls `visit` with each combination, a value for each factor, and its key's choices; in the order of the
     /// keys.
-    pub(crate) fn for_each(&self, visit: &mut dyn FnMut(&[Arc<str>], &[key::Choice])) {
+    pub(crate) fn for_each(&self, visit: &mut Visit<'_>) {
         let values = self.0.iter().map(|factor| match &factor.default {
             Some(default) => default.clone(),
             None => "".into(),
@@ -123,15 +123,18 @@ impl Excludes {
     }
 }
 
-struct Walk<'a> {
+/// Takes a combination, a value for each factor, and its key's choices.
+type Visit<'a> = dyn FnMut(&[Arc<str>], &[key::Choice]) + 'a;
+
+struct Walk<'a, 'v> {
     factors: &'a [Factor],
     /// The value of each factor; of those not yet chosen, the default.
     values: Vec<Arc<str>>,
     key: Vec<key::Choice>,
-    visit: &'a mut dyn FnMut(&[Arc<str>], &[key::Choice]),
+    visit: &'a mut Visit<'v>,
 }
 
-impl Walk<'_> {
+impl Walk<'_, '_> {
     /// Visits all combinations of the factors from `first` on. A key says nothing of defaults: so what has them
     /// all comes first, and what has another value on an axis comes before what has none until a later one.
     fn from(&mut self, first: usize) {
