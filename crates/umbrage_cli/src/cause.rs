@@ -1,14 +1,9 @@
 //! The smallest choice of axes that triggers a fault.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-/// What was checked: the value of every axis, and whether the fault was found with them.
-pub(crate) struct Checked<'a> {
-    /// The value of every axis.
-    pub(crate) values: &'a BTreeMap<String, String>,
-    /// Whether the fault was found.
-    pub(crate) faulty: bool,
-}
+/// What was checked: its value of each axis, and whether the fault was found with them.
+pub(crate) type Checked<'a> = (Vec<Option<&'a str>>, bool);
 
 /// Axes with their values, both as numbers; the axes ascend.
 type Choice = Vec<(usize, usize)>;
@@ -16,16 +11,23 @@ type Choice = Vec<(usize, usize)>;
 /// A set of subjects, 64 to a word.
 type Subjects = Vec<u64>;
 
-/// The smallest choice of axes that triggers a fault, among what was checked: the fewest axes with such
-/// values that whatever has these values has the fault. Where no one choice covers all faulty subjects,
-/// several, joined by “or”; where everything is faulty, `always`.
-pub(crate) fn smallest_cause(checked: &[Checked<'_>]) -> String {
-    let mut uncovered = subjects(checked.iter().map(|subject| subject.faulty));
-    let clean = subjects(checked.iter().map(|subject| !subject.faulty));
+/// The smallest choice of `axes` that triggers a fault, among what was checked: the fewest axes with such
+/// values that whatever has these values has the fault; among choices as small that explain as much, one of the
+/// first axes. Where no one choice covers all faulty subjects, several, joined by “or”; where everything is
+/// faulty, `always`.
+pub(crate) fn smallest_cause<'a>(
+    axes: &[&str],
+    checked: impl IntoIterator<Item = Checked<'a>>,
+) -> String {
+    // What agrees on all axes counts once.
+    let checked: BTreeSet<_> = checked.into_iter().collect();
+    let checked: Vec<_> = checked.into_iter().collect();
+    let mut uncovered = subjects(checked.iter().map(|(_, faulty)| *faulty));
+    let clean = subjects(checked.iter().map(|(_, faulty)| !faulty));
     if is_empty(&clean) {
         return "always".to_owned();
     }
-    let axes = distinguishing_axes(checked);
+    let axes = distinguishing_axes(axes, &checked);
     let mut causes = Vec::new();
     let mut level = vec![Choice::new()];
     // Level by level: choices of one axis, of two, ... What triggers the fault, or has nothing to do
@@ -71,37 +73,25 @@ struct Axis {
     values: Vec<(String, Subjects)>,
 }
 
-/// The axes that differ between subjects: no other can be part of a smallest choice.
-fn distinguishing_axes(checked: &[Checked<'_>]) -> Vec<Axis> {
-    let mut values: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for subject in checked {
-        for (axis, value) in subject.values {
-            values.entry(axis).or_default().insert(value);
-        }
-    }
-    let has = |axis: &str, value: &str| {
-        subjects(
-            checked
-                .iter()
-                .map(|subject| subject.values.get(axis).is_some_and(|v| v == value)),
-        )
-    };
-    values
-        .into_iter()
-        .filter(|(axis, values)| {
-            values.len() > 1
-                || checked
+/// Those of `names` that differ between subjects: no other can be part of a smallest choice.
+fn distinguishing_axes(names: &[&str], checked: &[Checked<'_>]) -> Vec<Axis> {
+    let axes = names.iter().enumerate().filter_map(|(index, name)| {
+        let values: BTreeSet<_> = checked.iter().map(|(values, _)| values[index]).collect();
+        let has = |value| {
+            subjects(
+                checked
                     .iter()
-                    .any(|subject| !subject.values.contains_key(*axis))
-        })
-        .map(|(axis, values)| Axis {
-            name: axis.to_owned(),
-            values: values
-                .into_iter()
-                .map(|value| (value.to_owned(), has(axis, value)))
+                    .map(|(values, _)| values[index] == Some(value)),
+            )
+        };
+        (values.len() > 1).then(|| Axis {
+            name: (*name).to_owned(),
+            values: (values.into_iter().flatten())
+                .map(|value| (value.to_owned(), has(value)))
                 .collect(),
         })
-        .collect()
+    });
+    axes.collect()
 }
 
 /// `choice` with one more axis, after its last.
@@ -154,39 +144,44 @@ fn described(choice: &Choice, axes: &[Axis]) -> String {
     let part = |(axis, value): &(usize, usize)| {
         format!("{}={}", axes[*axis].name, axes[*axis].values[*value].0)
     };
-    choice.iter().map(part).collect::<Vec<_>>().join(", ")
+    let mut parts: Vec<_> = choice.iter().map(part).collect();
+    parts.sort();
+    parts.join(", ")
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
+    type Values = BTreeMap<&'static str, &'static str>;
+
+    /// The cause among `subjects`, with the axes in the order of their names.
+    fn cause_among(subjects: &[Values], faulty: impl Fn(&Values) -> bool) -> String {
+        let axes: BTreeSet<_> = subjects.iter().flat_map(BTreeMap::keys).copied().collect();
+        let axes: Vec<_> = axes.into_iter().collect();
+        let checked = subjects.iter().map(|subject| {
+            let values = axes.iter().map(|axis| subject.get(axis).copied());
+            (values.collect(), faulty(subject))
+        });
+        smallest_cause(&axes, checked)
+    }
+
     /// The cause over a product of axes, where `faulty` says which subjects fail.
-    fn cause(
-        axes: &[(&str, &[&str])],
-        faulty: impl Fn(&BTreeMap<String, String>) -> bool,
-    ) -> String {
-        let mut subjects = vec![BTreeMap::new()];
+    fn cause(axes: &[(&'static str, &[&'static str])], faulty: impl Fn(&Values) -> bool) -> String {
+        let mut subjects = vec![Values::new()];
         for (axis, values) in axes {
-            subjects = subjects
-                .iter()
-                .flat_map(|subject: &BTreeMap<String, String>| {
-                    values.iter().map(|value| {
-                        let mut subject = subject.clone();
-                        subject.insert((*axis).to_owned(), (*value).to_owned());
-                        subject
-                    })
+            let longer = subjects.iter().flat_map(|subject| {
+                values.iter().map(|value| {
+                    let mut subject = subject.clone();
+                    subject.insert(axis, value);
+                    subject
                 })
-                .collect();
+            });
+            subjects = longer.collect();
         }
-        let checked: Vec<_> = subjects
-            .iter()
-            .map(|values| Checked {
-                values,
-                faulty: faulty(values),
-            })
-            .collect();
-        smallest_cause(&checked)
+        cause_among(&subjects, faulty)
     }
 
     const AXES: [(&str, &[&str]); 4] = [
@@ -227,41 +222,40 @@ mod tests {
 
     #[test]
     fn a_rule_that_implies_an_axis_is_used() {
-        let spot = |cookie: &str, light: &str| {
-            BTreeMap::from([
-                ("cookie".to_owned(), cookie.to_owned()),
-                ("light".to_owned(), light.to_owned()),
-            ])
-        };
+        let spot = |cookie, light| Values::from([("cookie", cookie), ("light", light)]);
         let subjects = [
             spot("off", "point"),
             spot("off", "spot"),
             spot("on", "spot"),
         ];
-        let checked: Vec<_> = subjects
-            .iter()
-            .map(|values| Checked {
-                values,
-                faulty: values["cookie"] == "on",
-            })
-            .collect();
-        assert_eq!(smallest_cause(&checked), "cookie=on");
+        let found = cause_among(&subjects, |values| values["cookie"] == "on");
+        assert_eq!(found, "cookie=on");
     }
 
     #[test]
     fn an_axis_that_only_some_have() {
-        let with = BTreeMap::from([("blur".to_owned(), "9".to_owned())]);
-        let without = BTreeMap::new();
+        let subjects = [Values::from([("blur", "9")]), Values::new()];
+        let found = cause_among(&subjects, |values| values.contains_key("blur"));
+        assert_eq!(found, "blur=9");
+    }
+
+    #[test]
+    fn the_first_of_equal_axes_is_told() {
+        // What draws by itself has no method.
         let checked = [
-            Checked {
-                values: &with,
-                faulty: true,
-            },
-            Checked {
-                values: &without,
-                faulty: false,
-            },
+            (vec![Some("none"), Some("own")], true),
+            (vec![Some("basic"), Some("lit")], false),
         ];
-        assert_eq!(smallest_cause(&checked), "blur=9");
+        let told = |axes: &[&str], turned: bool| {
+            let turn = |(mut values, faulty): Checked<'static>| {
+                if turned {
+                    values.reverse();
+                }
+                (values, faulty)
+            };
+            smallest_cause(axes, checked.clone().map(turn))
+        };
+        assert_eq!(told(&["method", "pass"], false), "method=none");
+        assert_eq!(told(&["pass", "method"], true), "pass=own");
     }
 }

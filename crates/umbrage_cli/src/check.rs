@@ -4,18 +4,21 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
-use umbrage::compose::{Cause, Composer, Error, Fault, Key, Location, Manifest, Target};
+use umbrage::compose::{
+    Cause, Composer, Error, Fault, Key, Library, Location, Manifest, Nearness, Target,
+};
 
 use crate::{
     args::CheckArgs,
-    cause::{Checked, smallest_cause},
+    cause::smallest_cause,
     output::{print_json, progress},
-    permutations::{Permutations, values},
+    permutations::{Member, Permutations},
     targets::target,
 };
 
@@ -65,11 +68,35 @@ struct Shared {
 /// All keys that were checked, and the faults found.
 #[derive(Default)]
 struct Findings {
-    /// Each key of each manifest: the key, and the value of every axis.
-    subjects: Vec<(Key, BTreeMap<String, String>)>,
+    /// Each key of each manifest.
+    subjects: Vec<Subject>,
     shared: Vec<Shared>,
-    /// Each fault, with the subjects that it was found in.
-    faults: BTreeMap<Identity, (Fault, BTreeSet<usize>)>,
+    /// Each fault, with the subjects that it was found in, as ranges.
+    faults: BTreeMap<Identity, (Fault, Vec<std::ops::Range<usize>>)>,
+}
+
+/// A key of a manifest.
+struct Subject {
+    member: Member,
+    /// Which of [`Findings::shared`] composes it.
+    shared: usize,
+    /// The library of its manifest.
+    library: Library,
+    /// The manifest, where there are several.
+    origin: Option<Arc<str>>,
+}
+
+/// Manifests are told apart as if they were an axis.
+const ORIGIN: &str = "the manifest";
+
+impl Subject {
+    /// Its value of `axis`, the default where it says nothing.
+    fn value(&self, axis: &str) -> Option<&str> {
+        match axis {
+            ORIGIN => self.origin.as_deref(),
+            _ => self.library.axes().value(&self.member.key, axis),
+        }
+    }
 }
 
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
@@ -148,7 +175,7 @@ impl Findings {
         let known = self.shared.iter().position(|shared| {
             shared.packages == *manifest.packages() && *shared.composer.target() == target
         });
-        let known = known.unwrap_or_else(|| {
+        let index = known.unwrap_or_else(|| {
             self.shared.push(Shared {
                 packages: manifest.packages().clone(),
                 composer: Composer::new(manifest.library().clone(), target),
@@ -157,7 +184,7 @@ impl Findings {
             });
             self.shared.len() - 1
         });
-        let shared = &mut self.shared[known];
+        let shared = &mut self.shared[index];
         let permutations = Permutations::of(&shared.composer, manifest.keys());
         shared.validate(permutations.keys.keys());
 
@@ -169,16 +196,17 @@ impl Findings {
         let faulty = permutations
             .faulty
             .into_iter()
-            .map(|(key, error)| (vec![key], Some(error)));
-        for (keys, error) in outcomes.into_iter().chain(faulty) {
+            .map(|(member, error)| (vec![member], Some(error)));
+        let origin: Option<Arc<str>> = origin.map(|path| path.display().to_string().into());
+        for (members, error) in outcomes.into_iter().chain(faulty) {
             let first = self.subjects.len();
-            for key in keys {
-                let mut values = values(manifest.library(), &key);
-                if let Some(path) = origin {
-                    values.insert("the manifest".to_owned(), path.display().to_string());
-                }
-                self.subjects.push((key, values));
-            }
+            self.subjects
+                .extend(members.into_iter().map(|member| Subject {
+                    member,
+                    shared: index,
+                    library: manifest.library().clone(),
+                    origin: origin.clone(),
+                }));
             let subjects = first..self.subjects.len();
             for fault in error.into_iter().flat_map(Error::into_faults) {
                 self.add(fault, subjects.clone());
@@ -202,33 +230,19 @@ impl Findings {
 
     fn add(&mut self, fault: Fault, subjects: std::ops::Range<usize>) {
         let identity = (fault.cause, fault.locations.clone(), fault.message.clone());
-        self.faults
-            .entry(identity)
-            .or_insert_with(|| (fault, BTreeSet::new()))
-            .1
-            .extend(subjects);
+        let (_, ranges) = (self.faults.entry(identity)).or_insert_with(|| (fault, Vec::new()));
+        ranges.push(subjects);
     }
 
     fn report(self) -> Report {
-        let failed: BTreeSet<_> = self
-            .faults
-            .values()
-            .flat_map(|(_, subjects)| subjects)
-            .collect();
-        let failed = failed.len();
-        let reported = |(mut fault, subjects): (Fault, BTreeSet<usize>)| {
-            let checked: Vec<_> = self
-                .subjects
-                .iter()
-                .enumerate()
-                .map(|(index, (_, values))| Checked {
-                    values,
-                    faulty: subjects.contains(&index),
-                })
-                .collect();
-            let keys: BTreeSet<_> = subjects
-                .iter()
-                .map(|index| &self.subjects[*index].0)
+        let ranges = self.faults.values().flat_map(|(_, ranges)| ranges.clone());
+        let failed: BTreeSet<_> = ranges.flatten().collect();
+        let reported = |(fault, ranges): &(Fault, Vec<_>)| {
+            let mut fault = fault.clone();
+            let subjects: BTreeSet<usize> = ranges.iter().cloned().flatten().collect();
+            let cause = self.cause(&fault, &subjects);
+            let keys: BTreeSet<_> = (subjects.iter())
+                .map(|index| &self.subjects[*index].member.key)
                 .collect();
             fault.keys = keys.into_iter().cloned().collect();
             let location = fault.location();
@@ -238,12 +252,7 @@ impl Findings {
                 column: location.map(|at| at.column),
                 message: fault.message.clone(),
                 keys: fault.keys.iter().map(Key::to_string).collect(),
-                // A fault of a package that does not even load is there whatever is chosen.
-                cause: if subjects.is_empty() {
-                    "always".to_owned()
-                } else {
-                    smallest_cause(&checked)
-                },
+                cause,
                 rendered: fault.to_string(),
             }
         };
@@ -256,8 +265,43 @@ impl Findings {
             warnings: warnings.into_iter().collect(),
             keys: self.subjects.len(),
             permutations: self.shared.iter().map(|shared| shared.outcomes.len()).sum(),
-            failed,
-            faults: self.faults.into_values().map(reported).collect(),
+            failed: failed.len(),
+            faults: self.faults.values().map(reported).collect(),
         }
+    }
+
+    /// The smallest choice of axes that triggers `fault`, which was found in `faulty`.
+    fn cause(&self, fault: &Fault, faulty: &BTreeSet<usize>) -> String {
+        // A fault of a package that does not even load is there whatever is chosen.
+        if faulty.is_empty() {
+            return "always".to_owned();
+        }
+        // A choice that matters to no faulty key has nothing to do with it, even where it goes with one that has.
+        // Of the others those come first that chose the module that the fault lies in.
+        let mut nearness: BTreeMap<&str, Nearness> = BTreeMap::from([(ORIGIN, Nearness::None)]);
+        let mut seen = BTreeSet::new();
+        for subject in faulty.iter().map(|index| &self.subjects[*index]) {
+            let Member { key, matter } = &subject.member;
+            // One of each permutation.
+            let values: Vec<_> = matter.iter().map(|axis| subject.value(axis)).collect();
+            if !seen.insert((subject.shared, matter, values)) {
+                continue;
+            }
+            for axis in matter.iter() {
+                let near = self.shared[subject.shared]
+                    .composer
+                    .nearness(key, axis, fault);
+                let nearest = nearness.entry(axis).or_insert(Nearness::None);
+                *nearest = near.max(*nearest);
+            }
+        }
+        let mut axes: Vec<_> = nearness.into_iter().collect();
+        axes.sort_by_key(|(axis, near)| (std::cmp::Reverse(*near), *axis));
+        let axes: Vec<_> = axes.into_iter().map(|(axis, _)| axis).collect();
+        let checked = self.subjects.iter().enumerate().map(|(index, subject)| {
+            let values = axes.iter().map(|axis| subject.value(axis));
+            (values.collect(), faulty.contains(&index))
+        });
+        smallest_cause(&axes, checked)
     }
 }

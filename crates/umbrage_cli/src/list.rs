@@ -13,7 +13,7 @@ use umbrage::compose::{Composer, Key, Library, Manifest, Target};
 use crate::{
     args::ListArgs,
     output::{print, print_json},
-    permutations::{Permutations, values},
+    permutations::Permutations,
 };
 
 /// What `--json` prints.
@@ -54,21 +54,27 @@ fn listing<'a>(
     keys: &[Key],
     permutations: impl ExactSizeIterator<Item = &'a Key> + Clone,
 ) -> Listing {
-    let mut occurring: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for key in keys {
-        for (axis, value) in values(library, key) {
-            occurring.entry(axis).or_default().insert(value);
-        }
+    // How many keys have each value; all others have the axis's default.
+    let mut occurring: BTreeMap<&str, BTreeMap<&str, usize>> = BTreeMap::new();
+    for (axis, value) in keys.iter().flat_map(Key::choices) {
+        *occurring.entry(axis).or_default().entry(value).or_default() += 1;
     }
-    let axes = occurring
-        .into_iter()
-        .map(|(axis, values)| {
+    let axes = library
+        .axes()
+        .iter()
+        .map(|axis| {
+            let name = axis.name.as_str();
+            let others = occurring.remove(name).unwrap_or_default();
+            let rest = keys.len() - others.values().sum::<usize>();
+            let default = axis.default.as_deref().filter(|_| rest > 0);
+            let values = others.into_keys().chain(default).map(str::to_owned);
             let without: BTreeSet<Vec<_>> = permutations
                 .clone()
-                .map(|key| key.choices().filter(|(name, _)| *name != axis).collect())
+                .map(|key| key.choices().filter(|(axis, _)| *axis != name).collect())
                 .collect();
             let multiplier = permutations.len() as f64 / without.len().max(1) as f64;
-            (axis, ListedAxis { values, multiplier })
+            let values = values.collect();
+            (name.to_owned(), ListedAxis { values, multiplier })
         })
         .collect();
     Listing {

@@ -15,8 +15,10 @@ mod interrupt;
 mod link;
 mod list;
 mod output;
+mod passing;
 mod permutations;
 mod prebuild;
+mod quiet;
 mod render;
 mod report;
 mod stress;
@@ -30,11 +32,13 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
+    // First of all, as it starts anew.
+    quiet::mesa();
     // What `compare` and `cost` start for themselves: no arguments, and nothing on standard output.
     umbrage_isa::serve_if_asked();
     let done = interrupt::install().and_then(|()| run());
     done.unwrap_or_else(|error| {
-        eprintln!("error: {}", format!("{error:#}").trim_end());
+        eprintln!("error: {}", output::told(&error));
         // What an interrupt broke off is no fault of the input.
         ExitCode::from(if interrupt::asked() {
             interrupt::STATUS

@@ -10,6 +10,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use umbrage::compose::sweep_beside;
 use umbrage_measure::study::Progress;
 
 /// Prints a result. A standard output that nobody reads any more is an error, not a panic.
@@ -18,6 +19,21 @@ pub(crate) fn print(text: &str) -> Result<()> {
     out.write_all(text.as_bytes())
         .and_then(|()| out.flush())
         .context("standard output could not be written")
+}
+
+/// What an error says, with its causes; each once, though some errors tell their causes themselves.
+pub(crate) fn told(error: &anyhow::Error) -> String {
+    let mut told = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        let cause = cause.trim_end();
+        if told.is_empty() {
+            told.push_str(cause);
+        } else if !told.contains(cause) {
+            told = format!("{}: {cause}", told.trim_end());
+        }
+    }
+    told
 }
 
 /// Prints `value` as JSON.
@@ -83,6 +99,7 @@ pub(crate) fn check_picture(out: &Path) -> Result<()> {
     if !png || out.is_dir() {
         bail!("--out {} names no picture; end it in .png", out.display());
     }
+    sweep_beside(out);
     let folder = match out.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -94,4 +111,30 @@ pub(crate) fn check_picture(out: &Path) -> Result<()> {
         )
     })?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("cannot load: {source}; try another")]
+    struct Outer {
+        source: Inner,
+    }
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("no such file")]
+    struct Inner;
+
+    #[test]
+    fn each_cause_is_told_once() {
+        let error = anyhow::Error::new(Outer { source: Inner }).context("a.ron is no scene");
+        assert_eq!(
+            told(&error),
+            "a.ron is no scene: cannot load: no such file; try another"
+        );
+        let error = anyhow::Error::new(Inner).context("a.ron is no scene");
+        assert_eq!(told(&error), "a.ron is no scene: no such file");
+    }
 }

@@ -35,6 +35,7 @@ const EXTENSIONS: [&str; 3] = ["wgsl", "spv", "json"];
 const PREBUILD: Kind = Kind {
     name: "prebuild",
     check: written_by_prebuild,
+    own: is_file_name,
 };
 
 /// `index.json`: from each key to its permutation's files.
@@ -231,12 +232,7 @@ fn written_by_prebuild(out: &Path) -> Result<()> {
     for entry in fs::read_dir(out)? {
         let entry = entry?;
         let name = entry.file_name();
-        let ours = name.to_str().is_some_and(|name| {
-            name == INDEX
-                || name.split_once('.').is_some_and(|(stem, extension)| {
-                    is_stem(stem) && EXTENSIONS.contains(&extension)
-                })
-        });
+        let ours = name.to_str().is_some_and(is_file_name);
         // A link is none of ours either, wherever it leads.
         if !ours || !entry.file_type()?.is_file() {
             bail!("{} is not a file of prebuild's", Path::new(&name).display());
@@ -249,6 +245,12 @@ fn written_by_prebuild(out: &Path) -> Result<()> {
         bail!("{INDEX} has the format `{}`, not `{FORMAT}`", index.format);
     }
     Ok(())
+}
+
+fn is_file_name(name: &str) -> bool {
+    let of_permutation =
+        |(stem, extension): (&str, _)| is_stem(stem) && EXTENSIONS.contains(&extension);
+    name == INDEX || name.split_once('.').is_some_and(of_permutation)
 }
 
 fn is_stem(stem: &str) -> bool {

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::Result;
-use umbrage_measure::report::{Pictures, Report, check_earlier, write};
+use umbrage_measure::report::{FILES, Pictures, Report, check_earlier, write};
 
 use crate::folder::Kind;
 
 const REPORT: Kind = Kind {
     name: "report",
     check: |folder| Ok(check_earlier(folder)?),
+    own: |name| FILES.contains(&name),
 };
 
 /// Says at once, rather than after the work, where a report would take the place of something else.

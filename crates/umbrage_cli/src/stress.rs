@@ -5,7 +5,7 @@ use std::{path::Path, process::ExitCode, sync::Arc};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
-    compose::{Composer, RonFile, Target},
+    compose::{Composer, RonFile, Target, sweep_beside, write_whole},
     methods::registry,
     render::Gpu,
     shader_library,
@@ -187,10 +187,11 @@ fn lines(report: &Report<'_>) -> String {
 fn save(results: &[CaseResult], folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("--pictures {} cannot be made", folder.display()))?;
+    sweep_beside(&folder.join("any"));
     for result in results {
         for (what, png) in result.pictures.files() {
             let file = folder.join(format!("{}-{}-{what}.png", result.case, result.variant));
-            std::fs::write(&file, png)
+            write_whole(&file, png)
                 .with_context(|| format!("{} cannot be written", file.display()))?;
         }
     }

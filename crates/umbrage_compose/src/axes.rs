@@ -1,17 +1,17 @@
 //! Axes: the choices that make a permutation, and what each value asks of the linker.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Deserialize;
 
 use crate::{
-    Cause, Error, Fault, Key, error::nearest, features::FeatureSet, package::SourceText, ron_text,
+    Cause, Error, Fault, Key, error::nearest, features::FeatureSet, file::SourceText, ron_text,
 };
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
 pub struct Axes {
-    axes: BTreeMap<String, Axis>,
+    axes: BTreeMap<Arc<str>, Axis>,
     rules: Vec<Rule>,
 }
 
@@ -24,13 +24,13 @@ pub struct Axis {
     pub doc: String,
     /// The value where a key says nothing; none where it must say.
     pub default: Option<String>,
-    pub(crate) values: BTreeMap<String, Effect>,
+    pub(crate) values: BTreeMap<Arc<str>, Effect>,
 }
 
 impl Axis {
     /// Its values, sorted.
     pub fn values(&self) -> impl Iterator<Item = &str> {
-        self.values.keys().map(String::as_str)
+        self.values.keys().map(|value| &**value)
     }
 }
 
@@ -144,12 +144,16 @@ impl Axes {
     pub(crate) fn check_axis(&self, name: &str) -> Result<&Axis, Fault> {
         self.axes.get(name).ok_or_else(|| {
             let fault = Fault::new(Cause::Key, format!("no axis `{name}`"));
-            let known: Vec<_> = self.axes.keys().map(String::as_str).collect();
+            let known: Vec<_> = self.axes.keys().map(|axis| &**axis).collect();
             suggest(fault, name, "axes", &known)
         })
     }
 
-    pub(crate) fn check_value<'a>(&self, axis: &'a Axis, value: &str) -> Result<&'a str, Fault> {
+    pub(crate) fn check_value<'a>(
+        &self,
+        axis: &'a Axis,
+        value: &str,
+    ) -> Result<&'a Arc<str>, Fault> {
         match axis.values.get_key_value(value) {
             Some((known, _)) => Ok(known),
             None => {
@@ -181,37 +185,55 @@ impl Axes {
     }
 
     /// The key of `choices`, which some rule may exclude.
-    pub(crate) fn canonical<'a>(
+    fn canonical<'a>(
         &self,
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Key, Fault> {
-        let mut key = Key::default();
-        let mut seen = BTreeMap::new();
+        let mut chosen: BTreeMap<&str, &Arc<str>> = BTreeMap::new();
         for (name, value) in choices {
             let axis = self.check_axis(name)?;
             let value = self.check_value(axis, value)?;
-            if let Some(other) = seen.insert(name, value)
+            if let Some(other) = chosen.insert(&axis.name, value)
                 && other != value
             {
                 let message = format!("axis `{name}` is both `{other}` and `{value}`");
                 return Err(Fault::new(Cause::Key, message).note("give each axis one value"));
             }
-            if axis.default.as_deref() != Some(value) {
-                key.0.insert(name.to_owned(), value.to_owned());
-            }
         }
-        for axis in self.iter() {
-            if axis.default.is_none() && key.get(&axis.name).is_none() {
-                let message = format!("axis `{}` has no default and was not given", axis.name);
-                let values: Vec<_> = axis.values().collect();
-                return Err(Fault::new(Cause::Key, message)
-                    .note(format!("choose one of {}", values.join(", "))));
-            }
-        }
-        Ok(key)
+        self.check_complete(|axis| chosen.contains_key(axis))?;
+        // Through the axes, whose texts all keys share.
+        let choices = self.axes.iter().filter_map(|(name, axis)| {
+            let value = *chosen.get(&**name)?;
+            (axis.default.as_deref() != Some(&**value)).then(|| (name.clone(), value.clone()))
+        });
+        Ok(Key::new(choices))
     }
 
-    pub(crate) fn excluded(&self, key: &Key) -> Option<&Rule> {
+    /// Checks that each axis that has no default is `given`.
+    pub(crate) fn check_complete(&self, given: impl Fn(&str) -> bool) -> Result<(), Fault> {
+        let missing = |axis: &&Axis| axis.default.is_none() && !given(&axis.name);
+        let Some(axis) = self.iter().find(missing) else {
+            return Ok(());
+        };
+        let message = format!("axis `{}` has no default and was not given", axis.name);
+        let values: Vec<_> = axis.values().collect();
+        Err(Fault::new(Cause::Key, message).note(format!("choose one of {}", values.join(", "))))
+    }
+
+    /// The packages' rules.
+    pub(crate) fn rules(&self) -> &[Rule] {
+        &self.rules
+    }
+
+    /// The name of `axis` that keys share.
+    pub(crate) fn name(&self, axis: &str) -> Arc<str> {
+        match self.axes.get_key_value(axis) {
+            Some((name, _)) => name.clone(),
+            None => axis.into(),
+        }
+    }
+
+    fn excluded(&self, key: &Key) -> Option<&Rule> {
         self.rules
             .iter()
             .find(|rule| rule.excludes(|axis| self.value(key, axis)))
@@ -252,12 +274,15 @@ impl Axes {
         let fault = |message: String, path: &[&str]| {
             Error::from(Fault::new(Cause::Manifest, message).at(ron_text::literal(source, path)))
         };
-        let axis = self.axes.entry(name.clone()).or_insert_with(|| Axis {
-            name: name.clone(),
-            doc: String::new(),
-            default: None,
-            values: BTreeMap::new(),
-        });
+        let axis = self
+            .axes
+            .entry(name.as_str().into())
+            .or_insert_with(|| Axis {
+                name: name.clone(),
+                doc: String::new(),
+                default: None,
+                values: BTreeMap::new(),
+            });
         if let Some(doc) = file.doc {
             axis.doc = doc;
         }
@@ -280,7 +305,7 @@ impl Axes {
                 }),
                 numbers: EffectNumbers::default(),
             };
-            if axis.values.insert(value.clone(), effect).is_some() {
+            if axis.values.insert(value.as_str().into(), effect).is_some() {
                 let message = format!("axis `{name}` has the value `{value}` already");
                 return Err(fault(message, &[&name, &value]));
             }
@@ -294,7 +319,7 @@ impl Axes {
                 }
                 _ => axis.default = Some(default.clone()),
             }
-            if !axis.values.contains_key(&default) {
+            if !axis.values.contains_key(default.as_str()) {
                 let message = format!("axis `{name}` has no value `{default}` to be its default");
                 return Err(fault(message, &[&name, &default]));
             }

@@ -1,7 +1,7 @@
 //! The composer: from a key to a permutation, by the shortest way.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeSet, HashMap},
     path::PathBuf,
     sync::{Arc, OnceLock, RwLock},
 };
@@ -14,7 +14,7 @@ use crate::{
     library::Request,
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
-    project::{Dependencies, Modules, dependencies, project},
+    project::{Dependencies, Modules, Projections, dependencies, project},
     store::Look,
     unit::{Refusal, Unit, parse},
 };
@@ -53,6 +53,28 @@ pub struct Composed {
     /// What is worth telling, though it did no harm: damaged cache entries, a cache that cannot be
     /// written to, and the permutation's own, when it is composed or loaded.
     pub warnings: Vec<String>,
+}
+
+/// What a key comes to.
+#[derive(Clone, Debug)]
+pub struct Projected {
+    /// The key with every choice that makes no difference at its default, or faults in the modules that it
+    /// leads to, as far as that takes reading them.
+    pub projection: Result<Key, Error>,
+    /// The axes whose choice may have made a difference, sorted: keys that have the same values on them come to
+    /// the same.
+    pub matter: Arc<[Arc<str>]>,
+}
+
+/// How near a choice is to a module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Nearness {
+    /// It has nothing to do with it.
+    None,
+    /// It names a module that imports it, directly or not, or sets a feature that it reads.
+    Leads,
+    /// It names it.
+    Names,
 }
 
 /// Where a permutation came from.
@@ -112,6 +134,57 @@ impl Composer {
     pub fn project(&self, key: &Key) -> Result<Key, Error> {
         let (_, found) = self.read(key).map_err(|fault| fault.key(key))?;
         Ok(project(&self.library, key, &found))
+    }
+
+    /// What each of `keys` comes to; much quicker than one by one, where many keys are few permutations.
+    pub fn project_all(&self, keys: &[Key]) -> Vec<Projected> {
+        let mut projections = Projections::new(&self.library);
+        let projected = keys.iter().map(|key| {
+            let (projection, matter) = projections.of(key, |key| self.found(key));
+            Projected {
+                projection: projection.map_err(|fault| fault.key(key).into()),
+                matter,
+            }
+        });
+        projected.collect()
+    }
+
+    /// How near the choice that `key` makes on `axis` is to the module that `fault` lies in.
+    pub fn nearness(&self, key: &Key, axis: &str, fault: &Fault) -> Nearness {
+        let library = &self.library;
+        let effect = library
+            .axes()
+            .effects(key)
+            .find(|(known, _)| known.name == axis);
+        let file = fault.location().map(|at| &at.file);
+        let sources = library.sources();
+        let module = sources.iter().position(|source| Some(&source.file) == file);
+        let (Some((_, effect)), Some(module), Ok(request)) = (effect, module, library.request(key))
+        else {
+            return Nearness::None;
+        };
+        let numbers = &effect.numbers;
+        let named = (numbers.root.into_iter()).chain(numbers.bind.iter().map(|(_, to)| *to));
+        let named: Vec<_> = named.collect();
+        if named.contains(&module) {
+            return Nearness::Names;
+        }
+        let with = WithFeatures {
+            composer: self,
+            enabled: &request.features,
+        };
+        let reads = |feature: &String| {
+            let number = library.features().number(feature);
+            let consulted = with
+                .prepared(module)
+                .map(|prepared| prepared.consulted.clone());
+            // A module that cannot even be read may have looked up any.
+            number.is_some_and(|number| consulted.map_or(true, |read| read.asked.contains(number)))
+        };
+        if leads(&named, module, &with) || effect.features.iter().any(reads) {
+            return Nearness::Leads;
+        }
+        Nearness::None
     }
 
     /// The permutation of `key`.
@@ -215,12 +288,27 @@ impl Composer {
     /// Reads the modules that `key` leads to.
     fn read(&self, key: &Key) -> Result<(Request, Dependencies), Fault> {
         let request = self.library.request(key)?;
+        let (found, outcome) = self.dependencies(&request);
+        outcome.map(|()| (request, found))
+    }
+
+    /// What reading `key`'s modules finds, where it says which they are, and what stops it.
+    pub(crate) fn found(&self, key: &Key) -> (Option<Dependencies>, Result<(), Fault>) {
+        match self.library.request(key) {
+            Ok(request) => {
+                let (found, outcome) = self.dependencies(&request);
+                (Some(found), outcome)
+            }
+            Err(fault) => (None, Err(fault)),
+        }
+    }
+
+    fn dependencies(&self, request: &Request) -> (Dependencies, Result<(), Fault>) {
         let with = WithFeatures {
             composer: self,
             enabled: &request.features,
         };
-        let found = dependencies(&request, &with)?;
-        Ok((request, found))
+        dependencies(request, &with)
     }
 
     // A poisoned lock guards a map that is whole all the same: entries go in by one call.
@@ -282,6 +370,23 @@ impl Composer {
         entries.push(entry.clone());
         Ok(entry)
     }
+}
+
+/// Whether one of the modules `from` imports `to`, directly or not.
+fn leads(from: &[usize], to: usize, modules: &dyn Modules) -> bool {
+    let mut waiting = from.to_vec();
+    let mut seen = BTreeSet::new();
+    while let Some(module) = waiting.pop() {
+        if module == to {
+            return true;
+        }
+        if seen.insert(module)
+            && let Ok(prepared) = modules.prepared(module)
+        {
+            waiting.extend(&prepared.modules);
+        }
+    }
+    false
 }
 
 /// The composer's modules under some features.

@@ -4,11 +4,13 @@ use std::fmt;
 
 use codespan_reporting::{
     diagnostic::{Diagnostic, Label},
-    files::{Files, SimpleFile},
     term,
 };
 
-use crate::Key;
+use crate::{
+    Key,
+    excerpt::{Excerpt, shortened},
+};
 
 /// What kind of fault it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -77,7 +79,7 @@ impl Fault {
     pub(crate) fn new(cause: Cause, message: impl Into<String>) -> Self {
         Self {
             cause,
-            message: message.into(),
+            message: shortened(message.into()),
             locations: Vec::new(),
             notes: Vec::new(),
             keys: Vec::new(),
@@ -89,21 +91,19 @@ impl Fault {
         let text = place.text;
         let end = floor_char(text, place.range.end);
         let start = floor_char(text, place.range.start.min(end));
-        let file = SimpleFile::new(place.file, text);
-        // A simple file has a location for every offset within its text.
-        if let Ok(at) = file.location((), start) {
-            self.locations.push(Location {
-                file: place.file.to_owned(),
-                line: at.line_number,
-                column: at.column_number,
-                label: place.label.clone(),
-            });
-        }
+        let excerpt = Excerpt::new(place.file, text, start..end);
+        let said = shortened(place.label);
+        self.locations.push(Location {
+            file: place.file.to_owned(),
+            line: excerpt.line(),
+            column: excerpt.column,
+            label: said.clone(),
+        });
         let primary = self.locations.len() == 1;
         let label = if primary {
-            Label::primary((), start..end)
+            Label::primary((), excerpt.range.clone())
         } else {
-            Label::secondary((), start..end)
+            Label::secondary((), excerpt.range.clone())
         };
         let message = if primary { self.message.as_str() } else { "" };
         let diagnostic = if primary {
@@ -112,10 +112,10 @@ impl Fault {
             Diagnostic::note()
         }
         .with_message(message)
-        .with_labels(vec![label.with_message(place.label)]);
+        .with_labels(vec![label.with_message(said)]);
         let config = term::Config::default();
         let mut rendered = String::new();
-        if term::emit_to_string(&mut rendered, &config, &file, &diagnostic).is_ok() {
+        if term::emit_to_string(&mut rendered, &config, &excerpt, &diagnostic).is_ok() {
             // The message stands once, in our own words, before all snippets.
             let body = rendered.split_once('\n').map_or("", |(_, body)| body);
             self.snippets.push_str(body.trim_end());
@@ -140,7 +140,7 @@ impl Fault {
     /// Adds what to do about it, or what else helps.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.notes.push(note.into());
+        self.notes.push(shortened(note.into()));
         self
     }
 

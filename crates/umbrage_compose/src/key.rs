@@ -1,26 +1,32 @@
 //! Keys: a value for each axis, in one spelling.
 
-use std::{collections::BTreeMap, fmt};
+use std::{collections::BTreeMap, fmt, sync::Arc};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A value for each axis that is not at its default, sorted by axis. Made by
-/// [`Library::key`](crate::Library::key), which knows the axes.
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Key(pub(crate) BTreeMap<String, String>);
+/// [`Library::key`](crate::Library::key), which knows the axes. Cheap to clone.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Key(Arc<[Choice]>);
+
+/// An axis and its value. Keys of one library share the texts.
+pub(crate) type Choice = (Arc<str>, Arc<str>);
 
 impl Key {
+    /// The key of `choices`, sorted by axis, each axis once.
+    pub(crate) fn new(choices: impl IntoIterator<Item = Choice>) -> Self {
+        Self(choices.into_iter().collect())
+    }
+
     /// The value of `axis`, where it is not the default.
     pub fn get(&self, axis: &str) -> Option<&str> {
-        self.0.get(axis).map(String::as_str)
+        let found = self.0.binary_search_by(|(known, _)| (**known).cmp(axis));
+        found.ok().map(|index| &*self.0[index].1)
     }
 
     /// The axes that are not at their default, with their values.
     pub fn choices(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0
-            .iter()
-            .map(|(axis, value)| (axis.as_str(), value.as_str()))
+        self.0.iter().map(|(axis, value)| (&**axis, &**value))
     }
 }
 
@@ -31,5 +37,19 @@ impl fmt::Display for Key {
             write!(f, "{comma}{axis}={value}")?;
         }
         Ok(())
+    }
+}
+
+impl Serialize for Key {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.choices())
+    }
+}
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let choices = BTreeMap::<String, String>::deserialize(deserializer)?;
+        let shared = choices.into_iter().map(|(a, v)| (a.into(), v.into()));
+        Ok(Self::new(shared))
     }
 }

@@ -10,6 +10,7 @@ use crate::{
     axes::{CountFetches, Counting, EffectNumbers},
     error::nearest,
     features::{FeatureNames, FeatureSet},
+    names::may_stand_in_paths,
     package::Dependency,
     source::{Source, Syntax},
 };
@@ -65,6 +66,7 @@ impl Library {
                     package: index,
                     file: source.file.clone(),
                     text: source.text.clone(),
+                    fault: source.fault.clone(),
                     base,
                 });
                 base += source.text.len() + 1;
@@ -265,6 +267,11 @@ impl Library {
         let fault = Fault::new(cause, format!("no module `{path}`"));
         let known = self.sources().iter().map(|source| source.path.as_str());
         match nearest(path, known) {
+            Some(near) if cause == Cause::Import && !near.split("::").all(may_stand_in_paths) => {
+                fault.note(format!(
+                    "`{near}` cannot be imported: no path can name it; rename its file"
+                ))
+            }
             Some(near) => fault.note(format!("did you mean `{near}`?")),
             None => {
                 let packages: Vec<_> = self.package_names().collect();

@@ -6,7 +6,7 @@ use wgsl_parse::lexer::Token;
 
 use crate::{
     Cause, Composer, Error, Fault, Library, Package, Permutation, Target, error::nearest,
-    features::FeatureNames, library::Request, package::read,
+    features::FeatureNames, file::SourceText, library::Request, names,
 };
 
 /// Links all that `file` declares and what that reaches, under `features`, with each interface of
@@ -30,7 +30,7 @@ pub fn link_file(
     bindings: &[(String, String)],
     target: Target,
 ) -> Result<Permutation, Error> {
-    let source = read(file)?;
+    let source = SourceText::read(file)?;
     let folder = file
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
@@ -43,14 +43,7 @@ pub fn link_file(
         .find(|(_, module)| same_file(Path::new(&module.file), file));
     let path = match inside {
         Some((path, _)) => path.clone(),
-        None => {
-            let stem = file
-                .file_stem()
-                .map_or("main".into(), |stem| stem.to_string_lossy());
-            let path = stem.into_owned();
-            loaded.modules.insert(path.clone(), source);
-            path
-        }
+        None => loaded.add(Path::new(file.file_name().unwrap_or_default()), source)?,
     };
     // A package that others extend knows its features from its axes; one file may have any.
     loaded.axes = None;
@@ -100,20 +93,18 @@ pub fn link_file(
     Ok(Composer::new(library, target).link_declarations(&request)?)
 }
 
+/// The name of the folder `dir`, mended so that paths can begin with it.
 fn package_name(dir: &Path) -> String {
     let full = dir.canonicalize().unwrap_or_else(|_| dir.to_owned());
-    let name = full
-        .file_name()
-        .map_or("main".into(), |name| name.to_string_lossy());
-    name.chars()
-        .map(|c| {
-            if c.is_alphanumeric() || c == '_' {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect()
+    let name = full.file_name().unwrap_or_default().to_string_lossy();
+    let legal = |c: char| c.is_alphanumeric() || c == '_';
+    let name: String = (name.chars())
+        .map(|c| if legal(c) { c } else { '_' })
+        .collect();
+    let mut candidates = [name.clone(), format!("folder_{name}")].into_iter();
+    candidates
+        .find(|name| names::may_stand_in_paths(name))
+        .unwrap_or_else(|| "main".to_owned())
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

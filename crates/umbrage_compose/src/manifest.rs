@@ -1,21 +1,16 @@
 //! Manifests: which keys exist.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
 use serde::Deserialize;
 
 use crate::{
-    Axes, Cause, Error, Fault, Key, Library, Package,
-    axes::Rule,
-    package::{SourceText, read},
-    ron_text,
+    Axes, Cause, Error, Fault, Key, Library, Package, axes::Rule, file::SourceText,
+    names::package_name, product::Product, ron_text,
 };
-
-/// More keys than this are a mistake: no one can build them.
-const MOST_KEYS: usize = 1 << 20;
 
 /// Which keys exist, over which packages, for which target.
 ///
@@ -48,9 +43,12 @@ impl Manifest {
     /// An unreadable or malformed file, an unknown field, axis or value, a rule that excludes
     /// nothing, and a manifest that yields no key.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let source = read(path)?;
+        let source = SourceText::read(path)?;
         let file: ManifestFile = ron_text::parse(&source, Cause::Manifest)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        for name in file.packages.keys() {
+            package_name(name).map_err(|fault| in_manifest(fault, &source, &["packages", name]))?;
+        }
         let packages = file.packages.iter().map(|(name, path)| {
             Package::load(name, &folder.join(path)).map_err(|error| {
                 let at = ron_text::literal(&source, &["packages", name, path]);
@@ -113,7 +111,7 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
             }
         }
     }
-    let rules: Vec<_> = file
+    let own: Vec<_> = file
         .exclude
         .iter()
         .map(|rule| Rule {
@@ -121,40 +119,30 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
             reason: rule.reason.clone(),
         })
         .collect();
-    let mut used = vec![false; rules.len()];
-    let mut keys = BTreeSet::new();
+    let mut used = vec![false; own.len()];
+    let mut keys = Vec::new();
     for product in &file.keys {
-        let choices = choices(axes, source, &product.0)?;
-        let size = choices
-            .iter()
-            .try_fold(1usize, |size, (_, values)| size.checked_mul(values.len()));
-        if size.is_none_or(|size| size > MOST_KEYS) {
-            let message = format!("a product of more than {MOST_KEYS} keys");
-            return Err(
-                in_manifest(Fault::new(Cause::Manifest, message), source, &["keys"]).into(),
-            );
-        }
-        for index in 0..size.unwrap_or(0) {
-            let choice = nth(&choices, index);
-            let excluded = rules.iter().zip(&mut used).filter(|(rule, _)| {
-                rule.excludes(|axis| {
-                    let default = || axes.get(axis)?.default.as_deref();
-                    choice.get(axis).copied().or_else(default)
-                })
-            });
+        let product = Product::new(axes, source, &product.0)?;
+        let rules = product.rules(axes, &own);
+        let of_library = product.rules(axes, axes.rules());
+        product.for_each(&mut |choice, key| {
             // All rules that fit are noted as used, so that none is called needless by mistake.
-            if excluded.map(|(_, used)| *used = true).count() > 0 {
-                continue;
+            let mut excluded = false;
+            for (rule, used) in rules.iter().zip(&mut used) {
+                let fits = rule.fits(choice);
+                *used |= fits;
+                excluded |= fits;
             }
-            let key = axes
-                .canonical(choice.iter().map(|(axis, value)| (*axis, *value)))
-                .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
             // What the library's own rules exclude is left out, too.
-            if axes.excluded(&key).is_none() {
-                keys.insert(key);
+            if !excluded && !of_library.iter().any(|rule| rule.fits(choice)) {
+                keys.push(Key::new(key.iter().cloned()));
             }
-        }
+        });
     }
+    // Each product is sorted: this puts them together.
+    keys.sort();
+    keys.dedup();
+    let rules = own;
     if let Some((rule, _)) = rules.iter().zip(&used).find(|(_, used)| !**used) {
         let message = format!("a rule excludes nothing: {}", rule.reason);
         let fault = Fault::new(Cause::Manifest, message).note("remove it, or mend what it names");
@@ -165,46 +153,10 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
             .note("add a product to `keys`, or exclude less");
         return Err(in_manifest(fault, source, &["keys"]).into());
     }
-    Ok(keys.into_iter().collect())
+    Ok(keys)
 }
 
-/// The values of each axis that `product` names.
-fn choices<'a>(
-    axes: &'a Axes,
-    source: &SourceText,
-    product: &'a BTreeMap<String, Choice>,
-) -> Result<Vec<(&'a str, Vec<&'a str>)>, Fault> {
-    let mut choices = Vec::new();
-    for (name, choice) in product {
-        let axis = axes
-            .check_axis(name)
-            .map_err(|fault| in_manifest(fault, source, &["keys", name]))?;
-        let values = match choice {
-            Choice::All => axis.values().collect(),
-            Choice::Some(values) => {
-                for value in values {
-                    axes.check_value(axis, value)
-                        .map_err(|fault| in_manifest(fault, source, &["keys", name, value]))?;
-                }
-                values.iter().map(String::as_str).collect()
-            }
-        };
-        choices.push((name.as_str(), values));
-    }
-    Ok(choices)
-}
-
-/// The combination of number `index`.
-fn nth<'a>(choices: &[(&'a str, Vec<&'a str>)], mut index: usize) -> BTreeMap<&'a str, &'a str> {
-    let mut combination = BTreeMap::new();
-    for (axis, values) in choices {
-        combination.insert(*axis, values[index % values.len()]);
-        index /= values.len();
-    }
-    combination
-}
-
-fn in_manifest(mut fault: Fault, source: &SourceText, path: &[&str]) -> Fault {
+pub(crate) fn in_manifest(mut fault: Fault, source: &SourceText, path: &[&str]) -> Fault {
     fault.cause = Cause::Manifest;
     fault.at(ron_text::literal(source, path))
 }
@@ -216,7 +168,7 @@ struct ManifestFile {
     packages: BTreeMap<String, String>,
     #[serde(default = "default_target")]
     target: String,
-    keys: Vec<Product>,
+    keys: Vec<ProductFile>,
     #[serde(default)]
     exclude: Vec<ExcludeFile>,
 }
@@ -236,10 +188,10 @@ struct ExcludeFile {
 /// Values for some axes.
 #[derive(Deserialize)]
 #[serde(transparent)]
-struct Product(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Choice>);
+struct ProductFile(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Choice>);
 
 /// `All`, or a list.
-enum Choice {
+pub(crate) enum Choice {
     All,
     Some(Vec<String>),
 }

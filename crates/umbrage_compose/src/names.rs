@@ -1,12 +1,17 @@
 //! What names mean: a module's own declarations, its imports, and paths written in code.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use wgsl_parse::syntax::{
     GlobalDeclaration, Import, ImportContent, ImportItem, ImportStatement, ModulePath, PathOrigin,
 };
 
-use crate::{Cause, Fault, Library, error::nearest, source::Source, translate::Translated};
+use crate::{
+    Cause, Fault, Library,
+    error::{Place, nearest},
+    source::Source,
+    translate::Translated,
+};
 
 /// A declaration of a module.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,11 +21,51 @@ pub(crate) struct Item {
 }
 
 /// What an imported name stands for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     Item(Item),
     /// A module, for paths that start with its name.
     Module(usize),
+    /// Nothing that there is: a fault where the name is used, and only there.
+    Nothing(Fault),
+}
+
+impl Meaning {
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Item(a), Self::Item(b)) => a == b,
+            (Self::Module(a), Self::Module(b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+/// `name` as paths write it, `-` as `_`; a fault where no path can begin with it.
+pub(crate) fn package_name(name: &str) -> Result<String, Fault> {
+    let written = name.replace('-', "_");
+    if may_stand_in_paths(&written) {
+        return Ok(written);
+    }
+    let message = format!("`{name}` cannot be the name of a package");
+    Err(Fault::new(Cause::Manifest, message).note(
+        "paths begin with it: choose letters, digits and `_` (`-` counts as `_`), no digit first, no `__` \
+         first, and none of `package`, `super`, `self`, `import`, `as` and `else`",
+    ))
+}
+
+/// Whether `name` may be a part of a path: what the parser takes for one.
+pub(crate) fn may_stand_in_paths(name: &str) -> bool {
+    let Ok(unit) = wgsl_parse::parse_str(&format!("import {name}::item;")) else {
+        return false;
+    };
+    let is_name = |path: &ModulePath| {
+        path.components.is_empty()
+            && matches!(&path.origin, PathOrigin::Package(package) if package == name)
+    };
+    // Names become parts of WGSL's identifiers, which must not begin so.
+    !name.starts_with("__")
+        && unit.global_declarations.is_empty()
+        && (unit.imports.iter()).all(|import| import.path.as_ref().is_some_and(is_name))
 }
 
 /// The name that a declaration gives, if any.
@@ -40,7 +85,7 @@ pub(crate) trait Translations {
     fn translated(&mut self, module: usize) -> Result<std::sync::Arc<Translated>, Fault>;
 }
 
-/// What `module`'s imports bring into scope.
+/// What `module`'s imports bring into scope. A name that stands for nothing is no fault until it is used.
 pub(crate) fn imports(
     library: &Library,
     module: usize,
@@ -49,17 +94,23 @@ pub(crate) fn imports(
 ) -> Result<BTreeMap<String, Meaning>, Fault> {
     let source = library.source(module);
     let mut scope: BTreeMap<String, (Meaning, String)> = BTreeMap::new();
-    for statement in &translated.imports {
-        for (segments, item) in flatten(library, source, statement)? {
+    for (statement, range) in &translated.imports {
+        let site = Site {
+            library,
+            source,
+            range: range.clone(),
+        };
+        for (written, path, item) in flatten(&site, statement) {
             let local = item.rename.as_ref().unwrap_or(&item.ident).name().clone();
-            let meaning = resolve(library, source, &segments, translations)?;
-            let written = segments.join("::");
+            let meaning = path.and_then(|path| resolve(&site, &path, translations));
+            let meaning = meaning.unwrap_or_else(Meaning::Nothing);
             if let Some((other, path)) = scope.get(&local)
-                && *other != meaning
+                && !other.is(&meaning)
+                && *path != written
             {
                 let message = format!("`{local}` is imported from both `{path}` and `{written}`");
                 return Err(Fault::new(Cause::Import, message)
-                    .at(source.find(&local))
+                    .at(site.find(&local))
                     .note("rename one of them with `as`"));
             }
             let own = translated
@@ -81,28 +132,51 @@ pub(crate) fn imports(
         .collect())
 }
 
-/// The absolute path of each item that `statement` imports, from its package on.
-fn flatten<'a>(
-    library: &Library,
-    source: &Source,
-    statement: &'a ImportStatement,
-) -> Result<Vec<(Vec<String>, &'a ImportItem)>, Fault> {
-    let prefix = match &statement.path {
-        Some(path) => absolute(library, source, path)?,
-        None => Vec::new(),
-    };
-    let mut items = Vec::new();
-    collect(&prefix, &statement.content, &mut items);
-    for (segments, _) in &items {
-        // Without a path before it, a list's first names are packages.
-        if statement.path.is_none() {
-            let first = &segments[0];
-            if library.package_name(source.package, first).is_none() {
-                return Err(no_package(library, source, first));
-            }
-        }
+/// A module, and where in it a path is written.
+struct Site<'a> {
+    library: &'a Library,
+    source: &'a Source,
+    range: Range<usize>,
+}
+
+impl Site<'_> {
+    fn find(&self, word: &str) -> Place<'_> {
+        self.source.find_within(self.range.clone(), word)
     }
-    Ok(items)
+}
+
+/// An item of an import: its path as written, its absolute path or the fault of it, and the item.
+type Imported<'a> = (String, Result<Vec<String>, Fault>, &'a ImportItem);
+
+/// Each item that `statement` imports: its path as written, its absolute path, from its package on, or the
+/// fault of it, and the item.
+fn flatten<'a>(site: &Site<'_>, statement: &'a ImportStatement) -> Vec<Imported<'a>> {
+    let mut items = Vec::new();
+    collect(&[], &statement.content, &mut items);
+    let resolved = |(segments, item): (Vec<String>, &'a ImportItem)| {
+        let (written, path) = match &statement.path {
+            Some(path) => {
+                let written = format!("{path}::{}", segments.join("::"));
+                let absolute = absolute(site, path).map(|mut absolute| {
+                    absolute.extend(segments);
+                    absolute
+                });
+                (written, absolute)
+            }
+            // Without a path before it, a list's first names are packages.
+            None => {
+                let package = package(site, &segments[0]).map(str::to_owned);
+                let written = segments.join("::");
+                let path = package.map(|package| {
+                    let rest = segments.into_iter().skip(1);
+                    std::iter::once(package).chain(rest).collect()
+                });
+                (written, path)
+            }
+        };
+        (written, path, item)
+    };
+    items.into_iter().map(resolved).collect()
 }
 
 fn collect<'a>(
@@ -127,41 +201,56 @@ fn collect<'a>(
 }
 
 /// `path` from its package on.
-fn absolute(library: &Library, source: &Source, path: &ModulePath) -> Result<Vec<String>, Fault> {
+fn absolute(site: &Site<'_>, path: &ModulePath) -> Result<Vec<String>, Fault> {
     let mut segments = match &path.origin {
-        PathOrigin::Absolute => vec![library.own_package_name(source.package).to_owned()],
-        PathOrigin::Relative(up) => parent(source, *up)?,
-        PathOrigin::Package(name) => match library.package_name(source.package, name) {
-            Some(name) => vec![name.to_owned()],
-            None => return Err(no_package(library, source, name)),
-        },
+        PathOrigin::Absolute => {
+            vec![(site.library.own_package_name(site.source.package)).to_owned()]
+        }
+        PathOrigin::Relative(up) => parent(site, *up)?,
+        PathOrigin::Package(name) => vec![package(site, name)?.to_owned()],
     };
     segments.extend(path.components.iter().cloned());
     Ok(segments)
 }
 
-/// The path of `source`, `up` levels less.
-fn parent(source: &Source, up: usize) -> Result<Vec<String>, Fault> {
-    let mut segments: Vec<_> = source.path.split("::").map(str::to_owned).collect();
+/// The own name of the package that the module calls `name`.
+fn package<'a>(site: &Site<'a>, name: &'a str) -> Result<&'a str, Fault> {
+    let known = site.library.package_name(site.source.package, name);
+    known.ok_or_else(|| {
+        let packages: Vec<_> = site.library.package_names().collect();
+        let fault = Fault::new(Cause::Import, format!("no package `{name}`")).at(site.find(name));
+        match nearest(name, packages.iter().copied()) {
+            Some(near) => fault.note(format!("did you mean `{near}`?")),
+            None => fault.note(format!("packages: {}", packages.join(", "))),
+        }
+    })
+}
+
+/// The path of the module, `up` levels less.
+fn parent(site: &Site<'_>, up: usize) -> Result<Vec<String>, Fault> {
+    let path = &site.source.path;
+    let mut segments: Vec<_> = path.split("::").map(str::to_owned).collect();
     if up >= segments.len() {
-        let message = format!(
-            "`super` leaves the package: `{}` is not so deep",
-            source.path
-        );
-        return Err(Fault::new(Cause::Import, message).at(source.find("super")));
+        let message = format!("`super` leaves the package: `{path}` is not so deep");
+        return Err(Fault::new(Cause::Import, message).at(site.find("super")));
     }
     segments.truncate(segments.len() - up);
     Ok(segments)
 }
 
-/// What a path written in code stands for: its first name may be an imported module.
+/// What a path written in code, at `range`, stands for: its first name may be an imported module.
 pub(crate) fn written_path(
     library: &Library,
-    source: &Source,
+    (source, range): (&Source, Range<usize>),
     scope: &BTreeMap<String, Meaning>,
     segments: &[&str],
     translations: &mut dyn Translations,
 ) -> Result<Item, Fault> {
+    let site = Site {
+        library,
+        source,
+        range,
+    };
     let [first, rest @ ..] = segments else {
         return Err(Fault::new(Cause::Import, "an empty path"));
     };
@@ -171,18 +260,19 @@ pub(crate) fn written_path(
         .count();
     let mut path = match (*first, scope.get(*first)) {
         ("package", _) => vec![library.own_package_name(source.package).to_owned()],
-        ("super", _) => parent(source, supers)?,
-        ("self", _) => parent(source, 0)?,
+        ("super", _) => parent(&site, supers)?,
+        ("self", _) => parent(&site, 0)?,
+        (_, Some(Meaning::Nothing(fault))) => return Err(fault.clone()),
         (_, Some(Meaning::Module(module))) => library
             .source(*module)
             .path
             .split("::")
             .map(str::to_owned)
             .collect(),
-        (name, _) => match library.package_name(source.package, name) {
-            Some(name) => vec![name.to_owned()],
-            None => {
-                return Err(no_package(library, source, name).note(
+        (name, _) => match package(&site, name) {
+            Ok(name) => vec![name.to_owned()],
+            Err(fault) => {
+                return Err(fault.note(
                     "a path starts with `package`, `super`, a package, or a module that is imported",
                 ));
             }
@@ -194,8 +284,9 @@ pub(crate) fn written_path(
         rest
     };
     path.extend(rest.iter().map(|segment| (*segment).to_owned()));
-    match resolve(library, source, &path, translations)? {
+    match resolve(&site, &path, translations)? {
         Meaning::Item(item) => Ok(item),
+        Meaning::Nothing(fault) => Err(fault),
         Meaning::Module(_) => {
             let message = format!("`{}` is a module, not a declaration", segments.join("::"));
             Err(Fault::new(Cause::Import, message).note("name something in it"))
@@ -205,11 +296,11 @@ pub(crate) fn written_path(
 
 /// What the absolute path `segments` stands for: a declaration of a module, or a module.
 fn resolve(
-    library: &Library,
-    source: &Source,
+    site: &Site<'_>,
     segments: &[String],
     translations: &mut dyn Translations,
 ) -> Result<Meaning, Fault> {
+    let library = site.library;
     let (name, parents) = segments
         .split_last()
         .map_or(("", &[][..]), |(n, p)| (n.as_str(), p));
@@ -229,7 +320,7 @@ fn resolve(
         }
         if library.module(&segments.join("::")).is_none() {
             let fault = Fault::new(Cause::Import, format!("module `{parent}` has no `{name}`"))
-                .at(source.find(name));
+                .at(site.find(name));
             let elsewhere = library.syntax(module)?.tree.global_declarations.iter();
             if let Some(hidden) = elsewhere
                 .into_iter()
@@ -252,18 +343,7 @@ fn resolve(
         None => {
             let named = if parents.len() > 1 { &parent } else { &path };
             let last = named.rsplit("::").next().unwrap_or(named);
-            Err(library
-                .no_module(Cause::Import, named)
-                .at(source.find(last)))
+            Err(library.no_module(Cause::Import, named).at(site.find(last)))
         }
-    }
-}
-
-fn no_package(library: &Library, source: &Source, name: &str) -> Fault {
-    let packages: Vec<_> = library.package_names().collect();
-    let fault = Fault::new(Cause::Import, format!("no package `{name}`")).at(source.find(name));
-    match nearest(name, packages.iter().copied()) {
-        Some(near) => fault.note(format!("did you mean `{near}`?")),
-        None => fault.note(format!("packages: {}", packages.join(", "))),
     }
 }

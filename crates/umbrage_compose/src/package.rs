@@ -4,19 +4,25 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use serde::Deserialize;
 
-use crate::{Cause, Error, Fault};
+use crate::{
+    Cause, Error, Fault,
+    file::{self, SourceText},
+    names::package_name,
+};
 
 /// A folder with more than this is no package of shaders.
 const MOST_MODULES: usize = 10_000;
 
 /// The name of the file that holds a package's axes.
-pub(crate) const AXES_FILE: &str = "axes.ron";
+const AXES_FILE: &str = "axes.ron";
+
+/// The name of the file that says what belongs to a package.
+const CONFIG_FILE: &str = "wesl.toml";
 
 /// A package of WESL modules, with the axes that it offers.
 #[derive(Clone, Debug)]
@@ -26,13 +32,6 @@ pub struct Package {
     pub(crate) modules: BTreeMap<String, SourceText>,
     pub(crate) axes: Option<SourceText>,
     pub(crate) dependencies: BTreeMap<String, Dependency>,
-}
-
-/// A text and the file that it came from.
-#[derive(Clone, Debug)]
-pub(crate) struct SourceText {
-    pub(crate) file: String,
-    pub(crate) text: Arc<str>,
 }
 
 /// Another package, as a `wesl.toml` names it.
@@ -46,11 +45,14 @@ pub(crate) struct Dependency {
 
 impl Package {
     /// Reads the package in the folder `dir`: its `wesl.toml` where it has one, the modules that it
-    /// includes, and its `axes.ron` where it has one. Other packages know it as `name`.
+    /// includes, and its `axes.ron` where it has one. Other packages know it as `name`, in which `-`
+    /// becomes `_`. A module that cannot be read is a fault where it is needed.
     ///
     /// # Errors
-    /// An unreadable or malformed file.
+    /// A name that no path can begin with, an unreadable or malformed `wesl.toml` or `axes.ron`, and two
+    /// files that are one module.
     pub fn load(name: &str, dir: &Path) -> Result<Self, Error> {
+        let name = package_name(name)?;
         let config = Config::load(dir)?;
         let root = match config.root.strip_prefix(".") {
             Ok(within) if within.as_os_str().is_empty() => dir.to_owned(),
@@ -58,10 +60,10 @@ impl Package {
             Err(_) => dir.join(&config.root),
         };
         let mut package = Self {
-            name: name.to_owned(),
+            name,
             modules: BTreeMap::new(),
             axes: None,
-            dependencies: config.dependencies(dir),
+            dependencies: config.dependencies(dir)?,
         };
         if !root.is_dir() {
             return Err(Fault::new(
@@ -73,7 +75,7 @@ impl Package {
         }
         let axes = dir.join(AXES_FILE);
         if axes.is_file() {
-            package.axes = Some(read(&axes)?);
+            package.axes = Some(SourceText::read(&axes)?);
         }
         let (include, exclude) = config.globs(dir)?;
         let mut folders = vec![root.clone()];
@@ -87,8 +89,10 @@ impl Package {
                     .note("name the folder of the shaders alone, or exclude the others in its wesl.toml")
                     .into());
             }
-            for entry in fs::read_dir(&folder).map_err(|error| unreadable(&folder, &error))? {
-                let path = entry.map_err(|error| unreadable(&folder, &error))?.path();
+            for entry in fs::read_dir(&folder).map_err(|error| file::unreadable(&folder, &error))? {
+                let path = entry
+                    .map_err(|error| file::unreadable(&folder, &error))?
+                    .path();
                 let relative = path.strip_prefix(dir).unwrap_or(&path);
                 if exclude.is_match(relative) {
                     continue;
@@ -101,7 +105,7 @@ impl Package {
                     folders.push(path);
                 } else if path.is_file() && is_module(&path) && include.is_match(relative) {
                     let within = path.strip_prefix(&root).unwrap_or(&path);
-                    package.modules.insert(module_path(within), read(&path)?);
+                    package.add(within, SourceText::load(&path))?;
                 }
             }
         }
@@ -112,14 +116,14 @@ impl Package {
     /// `methods/basic.wesl` or `axes.ron`, with their texts. Faults name a file as `root`/path.
     ///
     /// # Errors
-    /// Two files that are one module.
+    /// A name that no path can begin with, and two files that are one module.
     pub fn from_sources(
         name: &str,
         root: &str,
         files: impl IntoIterator<Item = (String, String)>,
     ) -> Result<Self, Error> {
         let mut package = Self {
-            name: name.to_owned(),
+            name: package_name(name)?,
             modules: BTreeMap::new(),
             axes: None,
             dependencies: BTreeMap::new(),
@@ -130,25 +134,31 @@ impl Package {
             } else {
                 format!("{root}/{path}")
             };
-            let source = SourceText {
-                file,
-                text: text.into(),
-            };
+            let source = SourceText::new(file, text);
             if path == AXES_FILE {
                 package.axes = Some(source);
             } else if is_module(Path::new(&path)) {
-                let file = source.file.clone();
-                if package
-                    .modules
-                    .insert(module_path(Path::new(&path)), source)
-                    .is_some()
-                {
-                    let message = format!("`{file}` and another file are the same module");
-                    return Err(Fault::new(Cause::File, message).into());
-                }
+                package.add(Path::new(&path), source)?;
             }
         }
         Ok(package)
+    }
+
+    /// Takes in the module that lies at `within` the package's root; gives its path.
+    pub(crate) fn add(&mut self, within: &Path, source: SourceText) -> Result<String, Error> {
+        let path = module_path(within);
+        if let Some(other) = self.modules.get(&path) {
+            // Folders are listed in any order.
+            let mut files = [&source.file, &other.file];
+            files.sort();
+            let [first, second] = files;
+            let message = format!("`{first}` and `{second}` are the same module, `{path}`");
+            return Err(Fault::new(Cause::File, message)
+                .note("rename or remove one of them")
+                .into());
+        }
+        self.modules.insert(path.clone(), source);
+        Ok(path)
     }
 }
 
@@ -164,26 +174,6 @@ fn module_path(within: &Path) -> String {
         .map(|part| part.as_os_str().to_string_lossy())
         .collect();
     parts.join("::")
-}
-
-pub(crate) fn read(path: &Path) -> Result<SourceText, Error> {
-    match fs::read_to_string(path) {
-        // Some editors begin a file with a mark of its encoding, which is no part of the text.
-        Ok(text) => Ok(SourceText {
-            file: path.display().to_string(),
-            text: text.strip_prefix('\u{feff}').unwrap_or(&text).into(),
-        }),
-        Err(error) => Err(unreadable(path, &error)),
-    }
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> Error {
-    Fault::new(
-        Cause::File,
-        format!("`{}` cannot be read: {error}", path.display()),
-    )
-    .note("check the path and its permissions")
-    .into()
 }
 
 /// A `wesl.toml`, as <https://wesl-lang.dev/spec/WeslToml> has it.
@@ -228,7 +218,7 @@ fn default_include() -> Vec<String> {
 impl Config {
     /// A folder without a `wesl.toml` is a package all the same: its root is the folder itself.
     fn load(dir: &Path) -> Result<Self, Error> {
-        let path = dir.join("wesl.toml");
+        let path = dir.join(CONFIG_FILE);
         if !path.exists() {
             return Ok(Self {
                 _edition: Edition::Pre2026,
@@ -239,7 +229,7 @@ impl Config {
                 dependencies: BTreeMap::new(),
             });
         }
-        let source = read(&path)?;
+        let source = SourceText::read(&path)?;
         // The specification has the fields in a table `package`, the tools that exist at the top.
         let flat = toml::from_str::<toml::Table>(&source.text).map(|mut table| {
             if let Some(toml::Value::Table(package)) = table.remove("package") {
@@ -258,13 +248,27 @@ impl Config {
         })
     }
 
-    fn dependencies(&self, dir: &Path) -> BTreeMap<String, Dependency> {
-        let named = self.dependencies.iter().map(|(name, config)| {
-            let package = config.package.clone().unwrap_or_else(|| name.clone());
-            let path = config.path.as_ref().map(|path| dir.join(path));
-            (name.clone(), Dependency { package, path })
-        });
-        named.collect()
+    /// The packages that modules call by the names on the left, in which `-` becomes `_`.
+    fn dependencies(&self, dir: &Path) -> Result<BTreeMap<String, Dependency>, Error> {
+        let mut dependencies = BTreeMap::new();
+        for (name, config) in &self.dependencies {
+            let legal = |name: &str| {
+                let at = |fault: Fault| match SourceText::read(&dir.join(CONFIG_FILE)) {
+                    Ok(source) => {
+                        let start = source.text.find(name).filter(|_| !name.is_empty());
+                        fault.at(source.place(start.map_or(0..0, |at| at..at + name.len())))
+                    }
+                    Err(_) => fault,
+                };
+                package_name(name).map_err(at)
+            };
+            let dependency = Dependency {
+                package: legal(config.package.as_ref().unwrap_or(name))?,
+                path: config.path.as_ref().map(|path| dir.join(path)),
+            };
+            dependencies.insert(legal(name)?, dependency);
+        }
+        Ok(dependencies)
     }
 
     fn globs(&self, dir: &Path) -> Result<(GlobSet, GlobSet), Error> {
@@ -277,7 +281,7 @@ impl Config {
         };
         let set = |patterns: &[String]| {
             build(patterns).map_err(|error| {
-                let file = dir.join("wesl.toml").display().to_string();
+                let file = dir.join(CONFIG_FILE).display().to_string();
                 Error::from(Fault::new(Cause::File, format!("{error}")).in_file(file, 1, 1))
             })
         };
@@ -293,16 +297,5 @@ impl Config {
             })
             .collect();
         Ok((set(&self.include)?, set(&exclude)?))
-    }
-}
-
-impl SourceText {
-    pub(crate) fn place(&self, range: std::ops::Range<usize>) -> crate::error::Place<'_> {
-        crate::error::Place {
-            file: &self.file,
-            text: &self.text,
-            range,
-            label: String::new(),
-        }
     }
 }

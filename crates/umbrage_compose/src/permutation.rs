@@ -11,12 +11,13 @@ use naga::{
 use crate::{
     Cause, Error, Fault, Key, Library, Reflection, Target,
     diagnostics::{Places, Written},
+    lacking,
     link::Linked,
     names::Item,
     overrides,
     reflect::reflect,
     rules::Subject,
-    uniformity, wgsl,
+    uniformity, wgsl, words,
 };
 
 /// A linked and validated shader.
@@ -133,7 +134,10 @@ impl Permutation {
     fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
         Fault::new(
             Cause::Validation,
-            format!("cannot be said in {language}: {error}"),
+            format!(
+                "cannot be said in {language}: {}",
+                words::plain(&error.to_string())
+            ),
         )
         .key(&self.key)
         .into()
@@ -189,15 +193,10 @@ fn validation_fault(
     (root, module): (usize, &Module),
     error: &WithSpan<ValidationError>,
 ) -> Fault {
-    // Naga's outermost error says in which function, the innermost says what is wrong.
-    let mut chain = Vec::new();
-    let mut next: Option<&dyn std::error::Error> = Some(error.as_inner());
-    while let Some(error) = next {
-        chain.push(error.to_string());
-        next = error.source();
-    }
-    let message = plain(&chain.pop().unwrap_or_default());
-    let mut fault = Fault::new(Cause::Validation, message.clone());
+    let (said, contexts) = words::said(error.as_inner(), module);
+    let lacking = lacking::told(lacking::lacking(module, target), target);
+    let (message, advice) = lacking.unzip();
+    let mut fault = Fault::new(Cause::Validation, message.unwrap_or(said));
     // A place that naga has words for says most; without one, the shortest place does.
     let mut spans: Vec<_> = error
         .spans()
@@ -221,7 +220,8 @@ fn validation_fault(
     for (range, label) in spans.iter().take(worded.max(1)) {
         if let Some((module, start)) = library.locate(range.start) {
             let source = library.source(module);
-            fault = fault.at(source.place_labelled(start..start + range.len(), plain(label)));
+            let label = words::plain(label);
+            fault = fault.at(source.place_labelled(start..start + range.len(), label));
         }
     }
     // Of some faults naga knows only in which declaration they are.
@@ -251,16 +251,8 @@ fn validation_fault(
             }
         };
     }
-    // Where naga speaks of a thing by its number alone, it says nothing.
-    for context in chain
-        .iter()
-        .rev()
-        .filter(|context| plain(context) == **context)
-    {
-        fault = fault.note(context.clone());
-    }
-    if message.contains("Capabilities") || message.to_lowercase().contains("capability") {
-        fault = fault.note(format!("the target `{target}` does not offer it"));
+    for note in advice.into_iter().chain(contexts) {
+        fault = fault.note(note);
     }
     fault
 }
@@ -303,42 +295,4 @@ fn wrong_return(module: &Module, error: &ValidationError) -> Option<naga::Span> 
         }
     }
     None
-}
-
-/// Naga's words without its own types' names and numbers.
-fn plain(text: &str) -> String {
-    let text = without_handles(text)
-        .replace("naga::valid::", "")
-        .replace(" Some()", "");
-    // `Type flags TypeFlags(A | B) do not meet the required TypeFlags(A | C)`: it lacks C.
-    let Some((found, required)) = text.split_once(" do not meet the required TypeFlags(") else {
-        return text;
-    };
-    let found: Vec<_> = found.split(['(', ')', '|', ' ']).collect();
-    let required = required.trim_end_matches(')').split(" | ");
-    let lacking: Vec<_> = required.filter(|flag| !found.contains(flag)).collect();
-    format!(
-        "the type will not do here: it is not {}",
-        lacking.join(", ")
-    )
-}
-
-/// Naga numbers things by handles such as `[3]`, which mean nothing to an author.
-fn without_handles(text: &str) -> String {
-    let mut out = String::new();
-    let mut rest = text;
-    while let Some(start) = rest.find('[') {
-        let Some(length) = rest[start..].find(']') else {
-            break;
-        };
-        let inner = &rest[start + 1..start + length];
-        let numeric = !inner.is_empty() && inner.bytes().all(|byte| byte.is_ascii_digit());
-        out.push_str(rest[..start].trim_end_matches(if numeric { ' ' } else { '\0' }));
-        if !numeric {
-            out.push_str(&rest[start..=start + length]);
-        }
-        rest = &rest[start + length + 1..];
-    }
-    out.push_str(rest);
-    out
 }

@@ -36,6 +36,8 @@ pub(crate) struct Prepared {
     pub(crate) interfaces: BTreeSet<usize>,
     /// Names of its own declarations and of those in scope.
     pub(crate) known: Vec<String>,
+    /// Imported names that stand for nothing, each with the fault that its use is.
+    pub(crate) unknown: BTreeMap<String, Fault>,
     /// The features that the text depends on.
     pub(crate) consulted: Consulted,
     /// The diagnostic filters, which are not in the text.
@@ -57,9 +59,16 @@ pub(crate) fn prepare(
     let translated = translations.translated(module)?;
     let scope = names::imports(library, module, &translated, &mut translations)?;
     let mut wanted: BTreeMap<String, Item> = BTreeMap::new();
+    let mut unknown = BTreeMap::new();
     for (name, meaning) in &scope {
-        if let Meaning::Item(item) = meaning {
-            wanted.insert(name.clone(), item.clone());
+        match meaning {
+            Meaning::Item(item) => {
+                wanted.insert(name.clone(), item.clone());
+            }
+            Meaning::Nothing(fault) => {
+                unknown.insert(name.clone(), fault.clone());
+            }
+            Meaning::Module(_) => {}
         }
     }
     let source = library.source(module);
@@ -81,11 +90,13 @@ pub(crate) fn prepare(
             .iter()
             .map(|range| &source.text[range.clone()])
             .collect();
-        let item = names::written_path(library, source, &scope, &segments, &mut translations)
-            .map_err(|fault| match fault.locations.is_empty() {
+        let at = (source, path.range.clone());
+        let item = names::written_path(library, at, &scope, &segments, &mut translations).map_err(
+            |fault| match fault.locations.is_empty() {
                 true => fault.at(source.place(path.range.clone())),
                 false => fault,
-            })?;
+            },
+        )?;
         // Spaces within a path are rare, but the name must be one word all the same.
         for byte in &mut text[path.range.clone()] {
             if byte.is_ascii_whitespace() {
@@ -131,7 +142,11 @@ pub(crate) fn prepare(
         }
     }
     Ok(Prepared {
-        known: declared.iter().chain(scope.keys()).cloned().collect(),
+        known: (declared.iter().chain(scope.keys()))
+            .filter(|name| !unknown.contains_key(*name))
+            .cloned()
+            .collect(),
+        unknown,
         modules: stubs.items.values().map(|item| item.module).collect(),
         text,
         own,

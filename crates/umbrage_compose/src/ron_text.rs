@@ -7,7 +7,7 @@ use serde::{
     de::{DeserializeOwned, Error as _, MapAccess, Visitor},
 };
 
-use crate::{Cause, Error, Fault, error::Place, package::SourceText};
+use crate::{Cause, Error, Fault, error::Place, file::SourceText};
 
 /// Reads a RON text; a fault names the line and column.
 pub(crate) fn parse<T: DeserializeOwned>(source: &SourceText, cause: Cause) -> Result<T, Error> {

@@ -21,6 +21,8 @@ pub(crate) struct Source {
     pub(crate) file: String,
     /// The text.
     pub(crate) text: Arc<str>,
+    /// Why the text could not be read.
+    pub(crate) fault: Option<Fault>,
     /// Where the text starts among all texts of the library: spans in linked modules count from
     /// the first text's start, so that each tells its file.
     pub(crate) base: usize,
@@ -54,15 +56,22 @@ impl Source {
     /// The place of the first `word` that is no part of a comment or of a longer word, for faults that
     /// the syntax tree has no place for.
     pub(crate) fn find(&self, word: &str) -> Place<'_> {
+        self.find_within(0..self.text.len(), word)
+    }
+
+    /// The same within `range`; all of it where the word is not there.
+    pub(crate) fn find_within(&self, range: Range<usize>, word: &str) -> Place<'_> {
         let part = |c: char| c.is_alphanumeric() || c == '_';
         let whole = |start: usize| {
             let (before, after) = (&self.text[..start], &self.text[start + word.len()..]);
             !before.ends_with(part) && !after.starts_with(part) && !self.in_comment(start)
         };
-        let mut places = self.text.match_indices(word).map(|(start, _)| start);
+        let text = self.text.get(range.clone()).unwrap_or("");
+        let mut places = (text.match_indices(word)).map(|(start, _)| range.start + start);
         match places.find(|start| !word.is_empty() && whole(*start)) {
             Some(start) => self.place(start..start + word.len()),
-            None => self.place(0..0),
+            None if range.len() == self.text.len() => self.place(0..0),
+            None => self.place(range),
         }
     }
 
@@ -78,6 +87,12 @@ impl Source {
     }
 
     pub(crate) fn parse(&self) -> Result<Syntax, Fault> {
+        if let Some(fault) = &self.fault {
+            return Err(match fault.locations.is_empty() {
+                true => fault.clone().at(self.place(0..0)),
+                false => fault.clone(),
+            });
+        }
         let tokens = self.tokens()?;
         let tree = wgsl_parse::parse_str(&self.text).map_err(|error| {
             let message = match &error.error {
@@ -90,11 +105,47 @@ impl Source {
                 }
                 other => other.to_string(),
             };
+            let message = self.beyond_wgsl(error.span.range()).unwrap_or(message);
             let last = self.text.trim_end().len();
             let start = error.span.start.min(last);
-            Fault::new(Cause::Syntax, message).at(self.place(start..error.span.end.min(last)))
+            let misplaced = misplaced(&tokens, start);
+            let (better, advice) = misplaced.unwrap_or_default();
+            let fault = Fault::new(Cause::Syntax, better.unwrap_or(message))
+                .at(self.place(start..error.span.end.min(last)));
+            match advice {
+                "" => fault,
+                advice => fault.note(advice),
+            }
         })?;
         Ok(Syntax { tree, tokens })
+    }
+
+    /// What is wrong with `range`, which the parser does not know, where it is a native extension of WGSL.
+    fn beyond_wgsl(&self, range: Range<usize>) -> Option<String> {
+        let place = self.text.get(range.clone())?;
+        let before = self.text[..range.start].chars().next_back();
+        let what = match place {
+            "binding_array" => "the type `binding_array`".to_owned(),
+            "lu" | "li" | "lf" if before.is_some_and(|c| c.is_ascii_digit()) => {
+                format!("the suffix `{place}` of a 64-bit number")
+            }
+            _ if place.starts_with("@builtin(") => {
+                let name = place["@builtin(".len()..].trim_end_matches(')').trim();
+                format!("the built-in value `{name}`")
+            }
+            _ if place.starts_with("var<") => {
+                const OWN: [&str; 5] = ["function", "private", "workgroup", "uniform", "storage"];
+                let space = place["var<".len()..].split(['>', ',']).next()?.trim();
+                if OWN.contains(&space) {
+                    return None;
+                }
+                format!("the address space `{space}`")
+            }
+            _ => return None,
+        };
+        Some(format!(
+            "{what} is none of WGSL's, and what some devices offer beyond it modules cannot ask for"
+        ))
     }
 
     fn tokens(&self) -> Result<Vec<(Token, Range<usize>)>, Fault> {
@@ -152,6 +203,63 @@ impl Source {
             .is_some_and(|at| !before[at..].contains("*/"));
         line.contains("//") || open
     }
+}
+
+/// A better message, and what to do, where the token at `start` is known in modules, but not there.
+fn misplaced(
+    tokens: &[(Token, Range<usize>)],
+    start: usize,
+) -> Option<(Option<String>, &'static str)> {
+    const ORDER: &str = "imports come first, then directives (`enable`, `requires`, `diagnostic`), then \
+                         declarations";
+    let at = tokens.iter().position(|(_, range)| range.start == start)?;
+    let before = || tokens[..at].iter().map(|(token, _)| token);
+    let in_import = before()
+        .rev()
+        .take_while(|token| **token != Token::SymSemicolon)
+        .any(|token| *token == Token::KwImport);
+    let word = match &tokens[at].0 {
+        Token::SymStar if in_import => {
+            let message = "all that a module has cannot be imported at once";
+            let advice = "name what is imported, as in `import package::lights::{sun, lamp};`, or import the \
+                          module, and write `lights::sun`";
+            return Some((Some(message.to_owned()), advice));
+        }
+        _ if in_import => {
+            let advice = "a path is names joined by `::`, each of letters, digits and `_`, no digit first; a \
+                          file of another name cannot be imported: rename it";
+            return Some((None, advice));
+        }
+        Token::KwImport => "an import",
+        Token::KwEnable => "`enable`",
+        Token::KwRequires => "`requires`",
+        Token::KwDiagnostic => "`diagnostic`",
+        _ => return None,
+    };
+    let depth = before().fold(0i32, |depth, token| match token {
+        Token::SymBraceLeft => depth + 1,
+        Token::SymBraceRight => depth - 1,
+        _ => depth,
+    });
+    // Each statement and declaration begins behind the end of another.
+    let (mut begins, mut last) = (true, "a directive");
+    for token in before() {
+        let directive = [
+            Token::KwEnable,
+            Token::KwRequires,
+            Token::KwDiagnostic,
+            Token::KwImport,
+        ];
+        if begins && *token != Token::SymAttr && !directive.contains(token) {
+            last = "a declaration";
+        }
+        begins = matches!(token, Token::SymSemicolon | Token::SymBraceRight);
+    }
+    let message = match depth {
+        0 => format!("{word} after {last}"),
+        _ => format!("{word} within a declaration"),
+    };
+    Some((Some(message), ORDER))
 }
 
 fn quoted(token: &str) -> String {

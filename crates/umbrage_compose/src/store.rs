@@ -2,11 +2,13 @@
 
 use std::{
     fs, io,
-    io::Write as _,
     path::{Path, PathBuf},
 };
 
-use crate::{Cause, Error, Fault};
+use crate::{
+    Cause, Error, Fault,
+    whole::{sweep_beside, write_whole},
+};
 
 /// A folder of results that took time, each by the hash of all that it depends on; several programs may
 /// use it at once, each for its own *kind* of results.
@@ -56,7 +58,8 @@ impl Store {
         };
         fs::create_dir_all(&dir).map_err(unusable)?;
         // Whether it can be written to shows only when something is.
-        tempfile::NamedTempFile::new_in(&dir).map_err(unusable)?;
+        tempfile::tempfile_in(&dir).map_err(unusable)?;
+        sweep_beside(&dir.join("any"));
         Ok(Self { dir, kind })
     }
 
@@ -82,13 +85,9 @@ impl Store {
     /// Keeps `payload` as the entry `name`; a warning where that fails.
     pub fn keep(&self, name: &str, payload: &[u8]) -> Option<String> {
         let path = self.path(name);
-        let written = tempfile::NamedTempFile::new_in(&self.dir).and_then(|mut file| {
-            file.write_all(self.kind.header)?;
-            file.write_all(blake3::hash(payload).as_bytes())?;
-            file.write_all(payload)?;
-            file.persist(&path).map(drop).map_err(|error| error.error)
-        });
-        let error = written.err()?;
+        let hash = blake3::hash(payload);
+        let bytes = [self.kind.header.as_slice(), hash.as_bytes(), payload].concat();
+        let error = write_whole(&path, &bytes).err()?;
         Some(format!(
             "the cache entry `{}` cannot be written: {error}",
             path.display()

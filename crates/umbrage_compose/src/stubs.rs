@@ -235,15 +235,16 @@ impl Builder<'_> {
         match &ty.path {
             None => match scope.get(&name) {
                 Some(Meaning::Item(item)) => Ok(Some(item.clone())),
-                _ => Ok(None),
+                Some(Meaning::Nothing(fault)) => Err(fault.clone()),
+                Some(Meaning::Module(_)) | None => Ok(None),
             },
             Some(path) => {
                 let written = format!("{path}");
                 let mut segments: Vec<_> = written.split("::").filter(|s| !s.is_empty()).collect();
                 segments.push(&name);
                 let source = self.library.source(module);
-                names::written_path(self.library, source, scope, &segments, self.translations)
-                    .map(Some)
+                let at = (source, 0..source.text.len());
+                names::written_path(self.library, at, scope, &segments, self.translations).map(Some)
             }
         }
     }

@@ -25,8 +25,8 @@ use crate::{
 /// What of a module is there under some features.
 #[derive(Debug, Default)]
 pub(crate) struct Translated {
-    /// The imports that are there.
-    pub(crate) imports: Vec<ImportStatement>,
+    /// The imports that are there, and where.
+    pub(crate) imports: Vec<(ImportStatement, Range<usize>)>,
     /// The declarations that are there, without the parts that are not. A function's body is left
     /// out: only the text has it.
     pub(crate) declarations: Vec<GlobalDeclarationNode>,
@@ -86,7 +86,7 @@ impl Translator<'_> {
             let keyword = statements.next().unwrap_or(0..0);
             let range = self.to_semicolon(start_of(&import.attributes, keyword.start));
             if self.keep(&import.attributes)? {
-                self.out.imports.push(import.clone());
+                self.out.imports.push((import.clone(), range.clone()));
             }
             self.out.blanks.push(range);
         }

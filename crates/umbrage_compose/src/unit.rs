@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::{
     Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
-    rules::check_text, stubs::JOINT,
+    rules::check_text, stubs::JOINT, words,
 };
 
 /// A module as naga parsed it.
@@ -356,7 +356,7 @@ fn parse_fault(
     error: &naga::front::wgsl::ParseError,
 ) -> Refusal {
     let source = library.source(module);
-    let plain = |text: &str| text.replace(JOINT, "::");
+    let plain = |text: &str| words::plain_of_front(text).replace(JOINT, "::");
     let message = plain(error.message());
     let cause = match () {
         () if message.contains("recursive") || message.contains("cyclic") => Cause::Recursion,
@@ -371,6 +371,18 @@ fn parse_fault(
             let range = range.start - start..range.end - start;
             fault = fault.at(source.place_labelled(range, plain(label)));
         }
+    }
+    // A name whose import leads nowhere is told at the import.
+    let place = (error.labels().next()).and_then(|(span, _)| span.to_range());
+    let word = place.clone().and_then(|range| prepared.text.get(range));
+    if let (Some(unknown), Some(range)) = (word.and_then(|word| prepared.unknown.get(word)), place)
+    {
+        return Refusal {
+            fault: unknown
+                .clone()
+                .at(source.place_labelled(range, "used here")),
+            blamed: None,
+        };
     }
     let mut blamed = None;
     if fault.locations.is_empty() {

@@ -7,12 +7,7 @@ use serde::{
     de::{DeserializeOwned, SeqAccess, Visitor},
 };
 
-use crate::{
-    Axes, Cause, Error, Fault, Key,
-    axes::Rule,
-    package::{SourceText, read},
-    ron_text,
-};
+use crate::{Axes, Cause, Error, Fault, Key, axes::Rule, file::SourceText, ron_text};
 
 /// A RON file that a person wrote, to be read and pointed into.
 #[derive(Clone, Debug)]
@@ -21,10 +16,7 @@ pub struct RonFile(SourceText);
 impl RonFile {
     /// A text that faults call `file`.
     pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
-        Self(SourceText {
-            file: file.into(),
-            text: text.into().into(),
-        })
+        Self(SourceText::new(file, text.into()))
     }
 
     /// All of the text: bytes.
@@ -37,7 +29,7 @@ impl RonFile {
     /// # Errors
     /// A file that cannot be read.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        read(path).map(Self)
+        SourceText::read(path).map(Self)
     }
 
     /// The file as a value. An option may be given without `Some`.
@@ -95,10 +87,7 @@ impl RonFile {
         if words.is_empty() {
             return fault.at(self.0.place(range));
         }
-        let part = SourceText {
-            file: self.0.file.clone(),
-            text: self.0.text[range].into(),
-        };
+        let part = SourceText::new(self.0.file.as_str(), &self.0.text[range]);
         let found = ron_text::literal(&part, words).range;
         fault.at(self.0.place(start + found.start..start + found.end))
     }
@@ -178,10 +167,7 @@ mod tests {
     use super::*;
 
     fn file(text: &str) -> RonFile {
-        RonFile(SourceText {
-            file: "rules.ron".to_owned(),
-            text: text.into(),
-        })
+        RonFile::new("rules.ron", text)
     }
 
     fn axes() -> Axes {
@@ -219,12 +205,7 @@ mod tests {
         let file = file(text);
         let ranges = file.rules().unwrap();
         assert_eq!(&text[ranges[0].clone()], r#"{ "light": "sun" }"#);
-        let when: When = RonFile(SourceText {
-            file: String::new(),
-            text: text[ranges[1].clone()].into(),
-        })
-        .parse()
-        .unwrap();
+        let when: When = RonFile::new("", &text[ranges[1].clone()]).parse().unwrap();
         let fault = when.check(&axes(), &file, ranges[1].clone()).unwrap_err();
         let at = fault.location().unwrap();
         assert_eq!((at.line, at.column), (3, 14));

@@ -90,9 +90,9 @@ faults! {
     condition_two_on_one, PLAIN, [("main.wesl", "@if(FOG) @if(true)\nconst A = 1;\n")];
 
     // Imports.
-    import_no_module, PLAIN, [("main.wesl", "import package::interface::shadows::calc_shadow;\nconst A = 1;\n")];
-    import_no_item, PLAIN, [("main.wesl", "import package::interface::shadow::calc_shadows;\nconst A = 1;\n")];
-    import_no_package, PLAIN, [("main.wesl", "import dem::interface::shadow::calc_shadow;\nconst A = 1;\n")];
+    import_no_module, PLAIN, [("main.wesl", "import package::interface::shadows::calc_shadow;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(calc_shadow(vec3f()));\n}\n")];
+    import_no_item, PLAIN, [("main.wesl", "import package::interface::shadow::calc_shadows;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(calc_shadows(vec3f()));\n}\n")];
+    import_no_package, PLAIN, [("main.wesl", "import dem::interface::shadow::calc_shadow;\n@fragment fn fs_main() -> @location(0) vec4f {\n    return vec4f(calc_shadow(vec3f()));\n}\n")];
     import_hidden_by_feature, PLAIN, [
         ("main.wesl", "import package::fog::density;\n@fragment fn fs_main() -> @location(0) vec4f { return vec4f(density()); }\n"),
         ("fog.wesl", "@if(FOG)\nfn density() -> f32 { return 1.0; }\n"),
@@ -231,4 +231,444 @@ fn assertions_of_imported_modules() {
 fn sound() {
     compose(&[], PLAIN).expect("the null object is bound by name");
     compose(&[], MINE).expect("the method implements the interface");
+}
+
+/// What naga, wgpu or Rust would say of their own things, and no author of WGSL.
+const FOREIGN: [&str; 18] = [
+    "naga",
+    "Capabilities",
+    "::valid",
+    "TypeInner",
+    "Scalar {",
+    "Scalar(",
+    "Vector {",
+    "Some(",
+    "None",
+    "Handle",
+    "Sint",
+    "Uint",
+    "Float,",
+    "kind:",
+    "width:",
+    "GlobalUse",
+    "StorageAccess",
+    "ShaderStages",
+];
+
+/// Faulty modules of one pass, over what naga's front end and validator refuse.
+const FAULTY: &[(&str, &str)] = &[
+    (
+        "binary",
+        "@fragment fn fs() -> @location(0) vec4f { let a = vec2f() ; let b = vec3f(); return vec4f((a * b).x); }",
+    ),
+    (
+        "binary of ints",
+        "@fragment fn fs(@location(0) @interpolate(flat) i: i32) -> @location(0) vec4f { return vec4f(f32(i + 1u)); }",
+    ),
+    (
+        "shift",
+        "@fragment fn fs(@location(0) @interpolate(flat) i: i32) -> @location(0) vec4f { return vec4f(f32(i << 33u)); }",
+    ),
+    (
+        "select",
+        "@fragment fn fs() -> @location(0) vec4f { return vec4f(select(1.0, vec2f(2.0), true)); }",
+    ),
+    (
+        "select condition",
+        "@fragment fn fs() -> @location(0) vec4f { return vec4f(select(1.0, 2.0, 3.0)); }",
+    ),
+    (
+        "builtin type",
+        "@fragment fn fs(@builtin(position) p: vec3f) -> @location(0) vec4f { return vec4f(p, 1.0); }",
+    ),
+    (
+        "builtin stage",
+        "@fragment fn fs(@builtin(vertex_index) i: u32) -> @location(0) vec4f { return vec4f(f32(i)); }",
+    ),
+    (
+        "input type",
+        "@fragment fn fs(@location(0) m: mat2x2f) -> @location(0) vec4f { return vec4f(m[0], m[1]); }",
+    ),
+    (
+        "output type",
+        "@fragment fn fs() -> @location(0) bool { return true; }",
+    ),
+    (
+        "return type",
+        "@fragment fn fs() -> @location(0) vec4f { let a = vec3f(); return a; }",
+    ),
+    (
+        "store type",
+        "@fragment fn fs() -> @location(0) vec4f { var a = vec3f(); a = vec4f(); return vec4f(a, 1.0); }",
+    ),
+    (
+        "store to let",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1.0; a = 2.0; return vec4f(a); }",
+    ),
+    (
+        "call argument",
+        "fn f(a: vec3f) -> f32 { return a.x; }\n@fragment fn fs() -> @location(0) vec4f { let b = vec2f(); return vec4f(f(b)); }",
+    ),
+    (
+        "call count",
+        "fn f(a: vec3f) -> f32 { return a.x; }\n@fragment fn fs() -> @location(0) vec4f { return vec4f(f()); }",
+    ),
+    (
+        "texture coordinate",
+        "@group(0) @binding(0) var t: texture_2d<f32>;\n@group(0) @binding(1) var s: sampler;\n@fragment fn fs() -> @location(0) vec4f { return textureSample(t, s, vec3f()); }",
+    ),
+    (
+        "comparison",
+        "@group(0) @binding(0) var t: texture_2d<f32>;\n@group(0) @binding(1) var s: sampler_comparison;\n@fragment fn fs() -> @location(0) vec4f { return textureSample(t, s, vec2f()); }",
+    ),
+    (
+        "storage format",
+        "@group(0) @binding(0) var t: texture_storage_2d<rgba8unorm, write>;\n@fragment fn fs() -> @location(0) vec4f { textureStore(t, vec2i(), vec4u()); return vec4f(); }",
+    ),
+    (
+        "index",
+        "@fragment fn fs() -> @location(0) vec4f { let a = vec3f(); return vec4f(a[5]); }",
+    ),
+    (
+        "index type",
+        "@fragment fn fs() -> @location(0) vec4f { var a = vec3f(); return vec4f(a[1.5]); }",
+    ),
+    (
+        "math",
+        "@fragment fn fs() -> @location(0) vec4f { let a = true; return vec4f(cos(a)); }",
+    ),
+    (
+        "math count",
+        "@fragment fn fs() -> @location(0) vec4f { return vec4f(cos(1.0, 2.0)); }",
+    ),
+    (
+        "math of vectors",
+        "@fragment fn fs() -> @location(0) vec4f { let a = vec2f(); return vec4f(dot(a, vec3f())); }",
+    ),
+    (
+        "if",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1.0; if a { return vec4f(); } return vec4f(1.0); }",
+    ),
+    (
+        "switch",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1.0; switch a { default {} } return vec4f(1.0); }",
+    ),
+    (
+        "switch case",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1; switch a { case 1, 1 {} default {} } return vec4f(1.0); }",
+    ),
+    (
+        "negation",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1.0; return vec4f(f32(!a)); }",
+    ),
+    (
+        "cast",
+        "const A = i32(3e20);\n@fragment fn fs() -> @location(0) vec4f { return vec4f(f32(A)); }",
+    ),
+    (
+        "literal",
+        "@fragment fn fs() -> @location(0) vec4f { let a: u32 = -1; return vec4f(f32(a)); }",
+    ),
+    (
+        "division",
+        "@fragment fn fs() -> @location(0) vec4f { const a = 1 / 0; return vec4f(f32(a)); }",
+    ),
+    (
+        "overflow",
+        "const A = 2147483647i + 1i;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(f32(A)); }",
+    ),
+    (
+        "compose",
+        "@fragment fn fs() -> @location(0) vec4f { let a = vec2f(1.0); return vec4f(a, a, a); }",
+    ),
+    (
+        "compose struct",
+        "struct S { a: f32, b: f32 }\n@fragment fn fs() -> @location(0) vec4f { let s = S(1.0); return vec4f(s.a); }",
+    ),
+    (
+        "zero of sampler",
+        "@group(0) @binding(0) var s: sampler;\n@fragment fn fs() -> @location(0) vec4f { var t = s; return vec4f(); }",
+    ),
+    (
+        "uniform bool",
+        "@group(0) @binding(0) var<uniform> s: bool;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(f32(s)); }",
+    ),
+    (
+        "uniform stride",
+        "@group(0) @binding(0) var<uniform> s: array<f32, 4>;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(s[0]); }",
+    ),
+    (
+        "workgroup in fragment",
+        "var<workgroup> s: f32;\n@fragment fn fs() -> @location(0) vec4f { s = 1.0; return vec4f(s); }",
+    ),
+    (
+        "write to read",
+        "@group(0) @binding(0) var<storage, read> s: array<f32>;\n@fragment fn fs() -> @location(0) vec4f { s[0] = 1.0; return vec4f(s[0]); }",
+    ),
+    (
+        "unsized in the middle",
+        "struct S { a: array<f32>, b: f32 }\n@group(0) @binding(0) var<storage> s: S;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(s.b); }",
+    ),
+    (
+        "atomic type",
+        "@group(0) @binding(0) var<storage, read_write> s: atomic<f32>;\n@fragment fn fs() -> @location(0) vec4f { atomicAdd(&s, 1.0); return vec4f(); }",
+    ),
+    (
+        "atomic operand",
+        "@group(0) @binding(0) var<storage, read_write> s: atomic<u32>;\n@fragment fn fs() -> @location(0) vec4f { atomicAdd(&s, 1i); return vec4f(); }",
+    ),
+    (
+        "array of samplers",
+        "@group(0) @binding(0) var s: array<sampler, 2>;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(); }",
+    ),
+    (
+        "array of zero",
+        "var<private> s: array<f32, 0>;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(s[0]); }",
+    ),
+    (
+        "pointer",
+        "fn f(p: ptr<storage, f32>) -> f32 { return *p; }\n@group(0) @binding(0) var<storage> s: f32;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(f(&s)); }",
+    ),
+    (
+        "interpolation",
+        "@fragment fn fs(@location(0) i: i32) -> @location(0) vec4f { return vec4f(f32(i)); }",
+    ),
+    (
+        "location twice",
+        "@fragment fn fs(@location(0) a: f32, @location(0) b: f32) -> @location(0) vec4f { return vec4f(a + b); }",
+    ),
+    (
+        "binding twice",
+        "@group(0) @binding(0) var<uniform> a: vec4f;\n@group(0) @binding(0) var<uniform> b: vec4f;\n@fragment fn fs() -> @location(0) vec4f { return a + b; }",
+    ),
+    (
+        "no position",
+        "@vertex fn vs() -> @location(0) vec4f { return vec4f(); }",
+    ),
+    (
+        "initializer",
+        "var<workgroup> s: f32 = 1.0;\n@compute @workgroup_size(1) fn cs() { s = 2.0; }",
+    ),
+    (
+        "load",
+        "@group(0) @binding(0) var t: texture_2d<f32>;\n@fragment fn fs() -> @location(0) vec4f { return textureLoad(t, vec2f(), 0); }",
+    ),
+    (
+        "gather",
+        "@group(0) @binding(0) var t: texture_3d<f32>;\n@group(0) @binding(1) var s: sampler;\n@fragment fn fs() -> @location(0) vec4f { return textureGather(0, t, s, vec3f()); }",
+    ),
+    (
+        "derivative",
+        "@fragment fn fs(@location(0) @interpolate(flat) i: i32) -> @location(0) vec4f { return vec4f(f32(dpdx(i))); }",
+    ),
+    (
+        "discard in compute",
+        "@compute @workgroup_size(1) fn cs() { discard; }",
+    ),
+    (
+        "swizzle",
+        "@fragment fn fs() -> @location(0) vec4f { return vec4f(vec2f().xyz, 1.0); }",
+    ),
+    (
+        "dereference",
+        "@fragment fn fs() -> @location(0) vec4f { let a = 1.0; return vec4f(*a); }",
+    ),
+];
+
+#[test]
+fn no_message_speaks_of_naga_s_own_things() {
+    let digits_in_brackets = |text: &str| {
+        text.split('[').skip(1).any(|rest| {
+            rest.split_once(']').is_some_and(|(inner, _)| {
+                !inner.is_empty() && inner.bytes().all(|byte| byte.is_ascii_digit())
+            })
+        })
+    };
+    let mut unnoticed = Vec::new();
+    let mut wrong = Vec::new();
+    for (name, text) in FAULTY {
+        let Err(error) = compose(&[("main.wesl", text)], PLAIN) else {
+            unnoticed.push(*name);
+            continue;
+        };
+        for fault in error.faults() {
+            let in_main = |at: &umbrage_compose::Location| at.file == "demo/main.wesl";
+            let labels = fault.locations.iter().map(|at| at.label.as_str());
+            let words = (fault.notes.iter().map(String::as_str)).chain([fault.message.as_str()]);
+            let foreign = |said: &str| {
+                let first = said.chars().next().unwrap_or('a');
+                FOREIGN.iter().any(|word| said.contains(word))
+                    || digits_in_brackets(said)
+                    || first.is_uppercase()
+            };
+            if !fault.location().is_some_and(in_main) || words.chain(labels).any(foreign) {
+                wrong.push(format!("{name}: {fault}"));
+            }
+            println!("{name}: {fault}");
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // What a validator lets pass today says nothing; most it must refuse.
+    assert!(unnoticed.len() * 5 < FAULTY.len(), "{unnoticed:?}");
+}
+
+/// A shader that needs a feature, and words of the message that tells so.
+const FEATURES: &[(&str, &str)] = &[
+    (
+        "`f16`",
+        "enable f16;\n@fragment fn fs() -> @location(0) vec4f { let a = f16(1.0); return vec4f(f32(a)); }",
+    ),
+    (
+        "`f16`",
+        "enable f16;\n@fragment fn fs(@location(0) a: f32) -> @location(0) vec4f { return vec4f(f32(f16(a))); }",
+    ),
+    (
+        "`f16`",
+        "enable f16;\n@group(0) @binding(0) var<uniform> a: vec4<f16>;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(a); }",
+    ),
+    (
+        "`f64`",
+        "@fragment fn fs(@location(0) a: f32) -> @location(0) vec4f { return vec4f(f32(f64(a) * f64(a))); }",
+    ),
+    (
+        "`i64`",
+        "@fragment fn fs(@location(0) a: f32) -> @location(0) vec4f { return vec4f(f32(i64(a))); }",
+    ),
+    (
+        "subgroup",
+        "@fragment fn fs(@location(0) a: f32) -> @location(0) vec4f { return vec4f(subgroupAdd(a)); }",
+    ),
+    (
+        "primitive_index",
+        "enable primitive_index;\n@fragment fn fs(@builtin(primitive_index) i: u32) -> @location(0) vec4f { return vec4f(f32(i)); }",
+    ),
+    (
+        "view_index",
+        "@fragment fn fs(@builtin(view_index) i: i32) -> @location(0) vec4f { return vec4f(f32(i)); }",
+    ),
+    (
+        "immediate",
+        "var<immediate> a: vec4f;\n@fragment fn fs() -> @location(0) vec4f { return a; }",
+    ),
+    (
+        "clip_distances",
+        "enable clip_distances;\nstruct V { @builtin(position) p: vec4f, @builtin(clip_distances) d: array<f32, 1> }\n@vertex fn vs() -> V { return V(vec4f(), array<f32, 1>(1.0)); }",
+    ),
+    (
+        "blend",
+        "enable dual_source_blending;\nstruct F { @location(0) @blend_src(0) a: vec4f, @location(0) @blend_src(1) b: vec4f }\n@fragment fn fs() -> F { return F(vec4f(), vec4f()); }",
+    ),
+    (
+        "ray queries",
+        "enable wgpu_ray_query;\n@group(0) @binding(0) var a: acceleration_structure;\n@fragment fn fs() -> @location(0) vec4f { var q: ray_query; rayQueryInitialize(&q, a, RayDesc(0u, 255u, 0.0, 1.0, vec3f(), vec3f(1.0))); return vec4f(f32(rayQueryProceed(&q))); }",
+    ),
+    (
+        "binding_array",
+        "enable wgpu_binding_array;\n@group(0) @binding(0) var t: binding_array<texture_2d<f32>, 4>;\n@fragment fn fs() -> @location(0) vec4f { return textureLoad(t[0], vec2i(), 0); }",
+    ),
+    (
+        "64-bit number",
+        "@fragment fn fs() -> @location(0) vec4f { return vec4f(f32(1lu)); }",
+    ),
+    (
+        "16-bit normalized",
+        "@group(0) @binding(0) var t: texture_storage_2d<rgba16unorm, write>;\n@fragment fn fs() -> @location(0) vec4f { textureStore(t, vec2i(), vec4f()); return vec4f(); }",
+    ),
+    (
+        "64-bit integers",
+        "@group(0) @binding(0) var<storage, read_write> a: atomic<u64>;\n@fragment fn fs() -> @location(0) vec4f { atomicMax(&a, u64(1u)); return vec4f(); }",
+    ),
+    (
+        "atomics on `f32`",
+        "@group(0) @binding(0) var<storage, read_write> a: atomic<f32>;\n@fragment fn fs() -> @location(0) vec4f { atomicAdd(&a, 1.0); return vec4f(); }",
+    ),
+    (
+        "texture_external",
+        "@group(0) @binding(0) var t: texture_external;\n@fragment fn fs() -> @location(0) vec4f { return textureLoad(t, vec2u()); }",
+    ),
+];
+
+#[test]
+fn what_the_target_lacks_is_named() {
+    let mut untold = Vec::new();
+    for (what, text) in FEATURES {
+        let error = compose(&[("main.wesl", text)], PLAIN).expect_err(what);
+        let said = error.to_string();
+        println!("{said}");
+        let told = said.contains("which the target `webgpu` does not offer")
+            || said.contains("modules cannot ask for");
+        if !(told && said.contains(what) && said.contains("demo/main.wesl:")) {
+            untold.push(format!("{what}: {said}"));
+        }
+    }
+    assert!(untold.is_empty(), "{}", untold.join("\n"));
+}
+
+#[test]
+fn what_stands_in_the_wrong_order_is_told_the_order() {
+    for (message, at, text) in [
+        (
+            "an import after a directive",
+            2,
+            "enable f16;\nimport package::interface::shadow::calc_shadow;\n",
+        ),
+        (
+            "an import after a declaration",
+            2,
+            "const A = 1;\nimport package::interface::shadow::calc_shadow;\n",
+        ),
+        (
+            "an import after a declaration",
+            3,
+            "fn f() {\n}\n@if(FOG) import package::interface::shadow::calc_shadow;\n",
+        ),
+        (
+            "`enable` after a declaration",
+            2,
+            "const A = 1;\nenable f16;\n",
+        ),
+        (
+            "`requires` after a declaration",
+            2,
+            "const A = 1;\nrequires readonly_and_readwrite_storage_textures;\n",
+        ),
+        (
+            "`diagnostic` after a declaration",
+            2,
+            "const A = 1;\ndiagnostic(off, derivative_uniformity);\n",
+        ),
+        (
+            "an import within a declaration",
+            2,
+            "fn f() {\nimport package::a::b;\n}\n",
+        ),
+    ] {
+        let error = compose(&[("main.wesl", text)], PLAIN).expect_err(text);
+        let fault = &error.faults()[0];
+        assert!(fault.message.starts_with(message), "{text}: {fault}");
+        assert!(
+            fault
+                .to_string()
+                .contains("imports come first, then directives"),
+            "{fault}"
+        );
+        assert_eq!(fault.location().map(|at| at.line), Some(at), "{fault}");
+    }
+}
+
+#[test]
+fn all_of_a_module_is_not_imported() {
+    for text in [
+        "import package::interface::shadow::*;\n",
+        "import package::interface::{shadow::*};\n",
+        "import package::*;\n",
+    ] {
+        let said = fault(&[("main.wesl", text)], PLAIN);
+        assert!(
+            said.starts_with("all that a module has cannot be imported at once"),
+            "{said}"
+        );
+    }
+    let said = fault(&[("main.wesl", "import package::my-module::a;\n")], PLAIN);
+    assert!(said.contains("letters, digits and `_`"), "{said}");
 }

@@ -10,7 +10,7 @@ use std::{borrow::Cow, collections::HashMap, fs};
 use proptest::prelude::*;
 use umbrage_compose::{Target, link_file};
 use wesl::{
-    ManglerKind, ModulePath, VirtualResolver, Wesl,
+    CompileOptions, ManglerKind, ModulePath, VirtualResolver, Wesl,
     syntax::{Expression, TranslationUnit},
 };
 
@@ -44,12 +44,7 @@ fn run(unit: &TranslationUnit) -> String {
 
 /// What `probe()` gives in the `wesl` crate's own linking.
 fn theirs(files: &[(&str, &str)], features: &[&str]) -> String {
-    let mut resolver = VirtualResolver::new();
-    for (path, text) in files {
-        let path = format!("/{}", path.trim_end_matches(".wesl"));
-        resolver.add_module(ModulePath::from_path(path), Cow::Borrowed(*text));
-    }
-    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver(files));
     compiler
         .use_imports(true)
         .use_condcomp(true)
@@ -64,10 +59,50 @@ fn theirs(files: &[(&str, &str)], features: &[&str]) -> String {
     run(&linked.syntax)
 }
 
+fn resolver<'a>(files: &[(&str, &'a str)]) -> VirtualResolver<'a> {
+    let mut resolver = VirtualResolver::new();
+    for (path, text) in files {
+        let path = format!("/{}", path.trim_end_matches(".wesl"));
+        resolver.add_module(ModulePath::from_path(path), Cow::Borrowed(*text));
+    }
+    resolver
+}
+
 #[track_caller]
 fn agree(files: &[(&str, &str)], features: &[&str], expected: &str) {
     assert_eq!(ours(files, features), expected);
     assert_eq!(theirs(files, features), expected);
+}
+
+/// What leads nowhere is no fault until it is used.
+#[test]
+fn imports_that_are_not_used_may_lead_nowhere() {
+    for import in [
+        "nowhere::a",
+        "package::nowhere::a",
+        "package::units::NOWHERE",
+        "{nowhere::a, package_too::b}",
+        "package::nowhere",
+    ] {
+        let main = format!("import {import};\nfn probe() -> u32 {{ return 7u; }}\n");
+        let files = with_main(&main);
+        assert_eq!(ours(&files, &[]), "7u", "{import}");
+        let theirs = std::panic::catch_unwind(|| lazy(&files));
+        assert_eq!(theirs.expect(import), "7u");
+    }
+}
+
+/// What `probe()` gives where the `wesl` crate links as its specification has it: what is not used, unread.
+fn lazy(files: &[(&str, &str)]) -> String {
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver(files));
+    compiler.set_options(CompileOptions {
+        keep: Some(vec!["probe".to_owned()]),
+        ..CompileOptions::default()
+    });
+    let linked = compiler
+        .compile(&ModulePath::from_path("/main"))
+        .unwrap_or_else(|error| panic!("{error}"));
+    run(&linked.syntax)
 }
 
 const SHAPES: &[(&str, &str)] = &[

@@ -54,7 +54,9 @@ pub enum GpuError {
 }
 
 impl Gpu {
-    /// Opens the machine's Vulkan adapter; the software renderer will do.
+    /// Opens the machine's Vulkan adapter; the software renderer will do. Where there is no desktop's session, one of
+    /// Mesa's layers complains of `XDG_RUNTIME_DIR` on standard error; `NODEVICE_SELECT=1` in the process's environment
+    /// turns it off, which is the program's to say, not a library's.
     ///
     /// # Errors
     /// No adapter, or one below WebGPU's baseline.

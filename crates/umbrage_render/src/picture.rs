@@ -286,17 +286,7 @@ impl Picture {
         self.to_image(width, height)
             .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
             .map_err(|error| unwritable(std::io::Error::other(error)))?;
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        // Beside the target, so that the last step is a rename within one file system.
-        let file = tempfile::NamedTempFile::new_in(folder).map_err(unwritable)?;
-        std::fs::write(file.path(), &bytes).map_err(unwritable)?;
-        allow_reading(file.as_file()).map_err(unwritable)?;
-        file.persist(path)
-            .map_err(|error| unwritable(error.error))?;
-        Ok(())
+        umbrage_compose::write_whole(path, &bytes).map_err(unwritable)
     }
 }
 
@@ -321,18 +311,6 @@ fn triangle_color((object, triangle): (u32, u32)) -> [u8; 3] {
     }
     let [r, g, b, _] = hash.to_le_bytes();
     [r, g, b].map(|code| 64 + code / 4 * 3)
-}
-
-/// A temporary file is its owner's alone; a picture is for all whom the folder lets in.
-#[cfg(unix)]
-fn allow_reading(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn allow_reading(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -145,6 +145,7 @@ mod lens;
 mod light;
 mod method;
 pub mod names;
+mod number;
 mod plan;
 mod registry;
 mod settings;
@@ -159,6 +160,7 @@ pub use fit::overlap;
 pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
 pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
+pub use number::plain_number;
 pub use plan::{
     Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, MAX_REGIONS,
     Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape,

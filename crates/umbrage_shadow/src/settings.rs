@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::names::{nearest, suggestion};
+use crate::{
+    names::{nearest, suggestion},
+    plain_number,
+};
 
 /// A number that a method lets a scene choose.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +43,12 @@ pub enum SettingsError {
         nearest: Option<String>,
     },
     /// Out of range, or not whole.
-    #[error("`{name}` is {value}, but must be {what} from {min} to {max}")]
+    #[error(
+        "`{name}` is {}, but must be {what} from {} to {}",
+        plain_number(*.value),
+        plain_number(*.min),
+        plain_number(*.max)
+    )]
     Value {
         /// The setting.
         name: &'static str,

@@ -65,3 +65,106 @@ fn no_adapter() {
         stderr(&output)
     );
 }
+
+/// Without a desktop's session, what Mesa's layers look for is none of a reader's business.
+#[cfg(unix)]
+#[test]
+fn success_says_nothing_on_standard_error() {
+    for session in [None, Some(""), Some("relative")] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_umbrage"));
+        command.arg("adapter").env_remove("NODEVICE_SELECT");
+        match session {
+            Some(folder) => command.env("XDG_RUNTIME_DIR", folder),
+            None => command.env_remove("XDG_RUNTIME_DIR"),
+        };
+        let output = command.output().expect("the command starts");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_eq!(stderr(&output), "", "{session:?}");
+        assert!(!stdout(&output).is_empty());
+    }
+}
+
+/// Errors carry their causes, and each is told once.
+#[test]
+fn no_cause_is_told_twice() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    super::write(&folder, "bad.wesl", "fn f( {");
+    super::write(&folder, "half.ron", "(");
+    super::write(&folder, "half.glb", "glTF");
+    super::write(
+        &folder,
+        "lone.ron",
+        r#"(objects: [(model: "gone.glb")], lights: [], camera: (position: (0, 1, 2), target: (0, 0, 0)))"#,
+    );
+    let path = |name: &str| super::path_in(&folder, name);
+    let (bad, half, glb, lone) = (
+        path("bad.wesl"),
+        path("half.ron"),
+        path("half.glb"),
+        path("lone.ron"),
+    );
+    let out = path("out.png");
+    let gone = path("gone/out.png");
+    let cases: &[&[&str]] = &[
+        &["render", SCENE, "--out", &out, "--setting", "resolutoin=4"],
+        &["render", SCENE, "--out", &out, "--setting", "resolution=0"],
+        &["render", SCENE, "--out", &out, "--method", "bassic"],
+        &["render", SCENE, "--out", &out, "--axis", "filter=hard"],
+        &["render", SCENE, "--out", &out, "--axis", "filtr=pcf"],
+        &["render", SCENE, "--out", &out, "--size", "999999x1"],
+        &["render", SCENE, "--out", &out, "--shaft-steps", "0"],
+        &["render", SCENE, "--out", &gone],
+        &["render", "gone.ron", "--out", &out],
+        &["render", &half, "--out", &out],
+        &["render", &glb, "--out", &out],
+        &["render", &lone, "--out", &out],
+        &["truth", "gone.ron", "--out", &out],
+        &["truth", SCENE, "--out", &out, "--light", "9"],
+        &["truth", SCENE, "--out", &out, "--light-size", "-1"],
+        &["compare", "gone.ron", "--out", &path("report")],
+        &["compare", SCENE, SCENE, "--out", &path("report")],
+        &[
+            "compare",
+            SCENE,
+            "--out",
+            &path("report"),
+            "--methods",
+            "bassic",
+        ],
+        &[
+            "compare",
+            SCENE,
+            "--out",
+            &path("report"),
+            "--configs",
+            &half,
+        ],
+        &["stress", "--methods", "bassic"],
+        &["stress", "--limits", &half],
+        &["check", &half],
+        &["check", "gone.ron"],
+        &["list", "gone.ron"],
+        &["prebuild", "gone.ron", "--out", &path("tree")],
+        &["prebuild", "permutations/demo.ron", "--out", &bad],
+        &["cost", "gone.ron"],
+        &["cost", "permutations/demo.ron", "--family", "gone"],
+        &["cost", "permutations/demo.ron", "--budget", &half],
+        &["link", &bad],
+        &["link", "gone.wesl"],
+    ];
+    for case in cases {
+        let said = refusal(case);
+        let parts: Vec<_> = said
+            .trim_start_matches("error: ")
+            .split(": ")
+            .map(str::trim)
+            .filter(|part| part.len() > 12)
+            .collect();
+        for (index, part) in parts.iter().enumerate() {
+            assert!(
+                !parts[..index].contains(part),
+                "`{part}` twice in {case:?}: {said}"
+            );
+        }
+    }
+}

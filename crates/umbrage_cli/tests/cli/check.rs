@@ -223,3 +223,106 @@ fn manifests_that_cannot_be_used() {
         );
     }
 }
+
+/// A pass of one's own asks for no method; that it has none is not why it fails.
+#[test]
+fn the_axis_that_chose_the_faulty_module_is_told() {
+    let folder = faulty_package();
+    let axes = r#"(axes: {
+        "pass": (values: {
+            "main": (root: "package::main"),
+            "own": (root: "package::own"),
+            "helped": (root: "package::helped"),
+        }),
+        "method": (default: "none", values: {
+            "none": (bind: { "package::interface::shadow": "package::interface::shadow" }),
+            "good": (bind: { "package::interface::shadow": "package::good" }),
+        }),
+        "air": (default: "off", values: { "off": (), "on": (features: ["AIR"]) }),
+    })"#;
+    write(&folder, "pkg/axes.ron", axes);
+    write(
+        &folder,
+        "pkg/own.wesl",
+        "@fragment fn fs() -> @location(0) vec4f { return vec3f(); }\n",
+    );
+    write(
+        &folder,
+        "pkg/helper.wesl",
+        "fn help() -> f32 { return vec3f(); }\n",
+    );
+    write(
+        &folder,
+        "pkg/helped.wesl",
+        "import package::helper::help;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(help()); }\n",
+    );
+    let cause = |keys: &str, file: &str| {
+        let manifest = format!(r#"(packages: {{ "pkg": "pkg" }}, keys: [{keys}])"#);
+        write(&folder, "own.ron", &manifest);
+        let report = json(&umbrage(&["check", &path_in(&folder, "own.ron"), "--json"]));
+        let faults = report["faults"].as_array().expect("faults");
+        assert_eq!(faults.len(), 1, "{report}");
+        assert!(
+            faults[0]["file"]
+                .as_str()
+                .is_some_and(|at| at.ends_with(file)),
+            "{report}"
+        );
+        faults[0]["cause"].as_str().expect("a cause").to_owned()
+    };
+    // The method and the air go with the pass wherever it goes.
+    let lit = r#"{ "pass": ["main"], "method": ["good"], "air": ["on"] }"#;
+    for (pass, file) in [("own", "own.wesl"), ("helped", "helper.wesl")] {
+        let keys = format!(r#"{lit}, {{ "pass": ["{pass}"] }}"#);
+        assert_eq!(cause(&keys, file), format!("pass={pass}"));
+    }
+    // A method's fault is the method's, though a pass of its own goes with it.
+    write(
+        &folder,
+        "pkg/good.wesl",
+        "fn calc_shadow(position: vec3f) -> f32 { return position; }\n",
+    );
+    let keys = r#"{ "pass": ["main"], "method": ["good"] }, { "pass": ["main"] }"#;
+    assert_eq!(cause(keys, "good.wesl"), "method=good");
+}
+
+#[test]
+fn a_fault_in_a_very_long_line_is_short() {
+    let folder = faulty_package();
+    let filler = "const A = 1; ".repeat(30_000);
+    write(
+        &folder,
+        "pkg/main.wesl",
+        &format!("{filler}@fragment fn fs() -> @location(0) vec4f {{ return vec3f(); }}"),
+    );
+    let output = umbrage(&["check", &path_in(&folder, "all.ron")]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stderr(&output);
+    assert!(said.len() < 4_000, "{} bytes", said.len());
+}
+
+#[test]
+fn names_that_no_path_can_begin_with_are_told_in_the_manifest() {
+    let folder = faulty_package();
+    for name in ["3d", "", "a b"] {
+        let manifest =
+            format!(r#"(packages: {{ "{name}": "pkg" }}, keys: [{{ "pass": ["main"] }}])"#);
+        write(&folder, "named.ron", &manifest);
+        let said = refusal(&["check", &path_in(&folder, "named.ron")]);
+        assert!(
+            said.contains("named.ron:1:14") && said.contains("cannot be the name"),
+            "{said}"
+        );
+    }
+    write(
+        &folder,
+        "named.ron",
+        r#"(packages: { "my-lib": "pkg" }, keys: [{ "pass": ["main"] }])"#,
+    );
+    assert_eq!(
+        umbrage(&["check", &path_in(&folder, "named.ron")])
+            .status
+            .code(),
+        Some(0)
+    );
+}

@@ -218,6 +218,32 @@ fn a_full_disk_leaves_the_earlier_prebuild() {
     assert_eq!(contents_of(&folder), ["out"]);
 }
 
+/// Whenever it comes, a tree is there, the old or the new; and the next run leaves nothing else.
+#[cfg(unix)]
+#[test]
+fn a_kill_leaves_a_whole_prebuild() {
+    let folder = TempDir::new().expect("a folder");
+    let out = path_in(&folder, "out");
+    let begun = Instant::now();
+    prebuild(&["permutations/demo.ron"], &out);
+    let whole_run = begun.elapsed();
+    let whole = contents(Path::new(&out));
+    for turn in 0..12 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_umbrage"))
+            .args(["prebuild", "permutations/demo.ron", "--out", &out])
+            .current_dir(root())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command starts");
+        thread::sleep(whole_run * turn / 10);
+        child.kill().expect("killed");
+        child.wait().expect("an end");
+        assert!(whole == contents(Path::new(&out)), "turn {turn}");
+    }
+    prebuild(&["permutations/demo.ron"], &out);
+    assert_eq!(contents_of(&folder), ["out"]);
+}
+
 /// Whenever it comes, before, while or after the files are written.
 #[cfg(unix)]
 #[test]

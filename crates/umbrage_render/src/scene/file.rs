@@ -9,6 +9,7 @@ use std::{
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
 use ron::extensions::Extensions;
 use serde::Deserialize;
+use umbrage_shadow::plain_number;
 
 use super::{
     Camera, Image, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
@@ -232,9 +233,10 @@ impl Loader<'_> {
             return Ok(value);
         }
         let problem = format!(
-            "it is {value}, but must lie from {:e} to {:e}",
-            range.start(),
-            range.end()
+            "it is {}, but must lie from {} to {}",
+            plain_number(value),
+            plain_number(*range.start()),
+            plain_number(*range.end())
         );
         Err(self.invalid(&place, problem, "change it in the scene file"))
     }

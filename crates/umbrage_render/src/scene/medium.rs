@@ -1,7 +1,7 @@
 //! What the air is like.
 
 use serde::Deserialize;
-use umbrage_shadow::PlanError;
+use umbrage_shadow::{PlanError, plain_number};
 
 use super::{SceneError, file::Loader};
 
@@ -42,7 +42,7 @@ impl Medium {
     /// A number out of its range, or not a number.
     pub fn validate(&self) -> Result<(), PlanError> {
         for (name, value, least, most) in self.ranges() {
-            let range = format!("from {least} to {most:e}");
+            let range = format!("from {} to {}", plain_number(least), plain_number(most));
             PlanError::check((least..=most).contains(&value), name, value, &range)?;
         }
         Ok(())

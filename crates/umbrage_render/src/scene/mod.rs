@@ -13,7 +13,7 @@ mod shapes;
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, Projection, View};
+use umbrage_shadow::{Aabb, Light, Projection, View, plain_number};
 
 pub(crate) use self::image::encode_srgb;
 pub use self::{
@@ -279,7 +279,8 @@ impl Object {
         if !transform.is_finite() || bounds.min.is_nan() || farthest.is_nan() || farthest > FARTHEST
         {
             return Err(format!(
-                "`{name}` is placed farther than {FARTHEST:e} m from the origin"
+                "`{name}` is placed farther than {} m from the origin",
+                plain_number(FARTHEST)
             ));
         }
         Ok(Self {

@@ -430,7 +430,7 @@ fn bad_scene_files_are_refused() {
         (
             "lights: [",
             "medium: (scattering: -0.1), lights: [",
-            "test.ron: medium.scattering: it is -0.1, but must lie from 0e0 to 1e6; change it in the scene file",
+            "test.ron: medium.scattering: it is -0.1, but must lie from 0 to 1e6; change it in the scene file",
         ),
         (
             "lights: [",

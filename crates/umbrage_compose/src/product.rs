@@ -1,0 +1,158 @@
+//! Products of axes' values, combination by combination.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use crate::{
+    Axes, Cause, Fault, axes::Rule, file::SourceText, key, manifest::Choice, manifest::in_manifest,
+};
+
+/// More keys than this are a mistake: no one can build them.
+const MOST_KEYS: usize = 1 << 20;
+
+/// Some values of each of some axes.
+pub(crate) struct Product(Vec<Factor>);
+
+/// Some values of an axis, sorted, the default apart.
+struct Factor {
+    axis: Arc<str>,
+    default: Option<Arc<str>>,
+    others: Vec<Arc<str>>,
+}
+
+/// Which combinations of a product a rule excludes.
+pub(crate) struct Excludes {
+    /// Whether any may be.
+    possible: bool,
+    /// Factors, and the values that a combination must have one of.
+    values: Vec<(usize, Vec<Arc<str>>)>,
+}
+
+impl Product {
+    /// The product of what a manifest names.
+    pub(crate) fn new(
+        axes: &Axes,
+        source: &SourceText,
+        named: &BTreeMap<String, Choice>,
+    ) -> Result<Self, Fault> {
+        let mut factors = Vec::new();
+        let mut size = Some(1usize);
+        for (name, choice) in named {
+            let axis = axes
+                .check_axis(name)
+                .map_err(|fault| in_manifest(fault, source, &["keys", name]))?;
+            let mut values: Vec<Arc<str>> = match choice {
+                Choice::All => axis.values.keys().cloned().collect(),
+                Choice::Some(values) => {
+                    let known = values.iter().map(|value| {
+                        axes.check_value(axis, value)
+                            .cloned()
+                            .map_err(|fault| in_manifest(fault, source, &["keys", name, value]))
+                    });
+                    known.collect::<Result<_, _>>()?
+                }
+            };
+            values.sort();
+            values.dedup();
+            size = size.and_then(|size| size.checked_mul(values.len()));
+            let is_default = |value: &Arc<str>| axis.default.as_deref() == Some(&**value);
+            factors.push(Factor {
+                axis: axes.name(name),
+                default: values.iter().find(|value| is_default(value)).cloned(),
+                others: values
+                    .into_iter()
+                    .filter(|value| !is_default(value))
+                    .collect(),
+            });
+        }
+        if size.is_none_or(|size| size > MOST_KEYS) {
+            let message = format!("a product of more than {MOST_KEYS} keys");
+            let fault = Fault::new(Cause::Manifest, message);
+            return Err(in_manifest(fault, source, &["keys"]));
+        }
+        axes.check_complete(|axis| named.contains_key(axis))
+            .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
+        Ok(Self(factors))
+    }
+
+    /// Which of its combinations each of `rules` excludes; an axis that is no factor is at its default.
+    pub(crate) fn rules(&self, axes: &Axes, rules: &[Rule]) -> Vec<Excludes> {
+        let compiled = rules.iter().map(|rule| {
+            let mut excludes = Excludes {
+                possible: true,
+                values: Vec::new(),
+            };
+            for (axis, values) in &rule.exclude {
+                match self.0.iter().position(|factor| *factor.axis == **axis) {
+                    Some(factor) => {
+                        let values = values.iter().map(|value| value.as_str().into());
+                        excludes.values.push((factor, values.collect()));
+                    }
+                    None => {
+                        let default = axes.get(axis).and_then(|axis| axis.default.as_ref());
+                        excludes.possible &= default.is_some_and(|value| values.contains(value));
+                    }
+                }
+            }
+            excludes
+        });
+        compiled.collect()
+    }
+
+    /// Calls `visit` with each combination, a value for each factor, and its key's choices; in the order of the
+    /// keys.
+    pub(crate) fn for_each(&self, visit: &mut Visit<'_>) {
+        let values = self.0.iter().map(|factor| match &factor.default {
+            Some(default) => default.clone(),
+            None => "".into(),
+        });
+        let mut walk = Walk {
+            factors: &self.0,
+            values: values.collect(),
+            key: Vec::new(),
+            visit,
+        };
+        walk.from(0);
+    }
+}
+
+impl Excludes {
+    pub(crate) fn fits(&self, combination: &[Arc<str>]) -> bool {
+        let has =
+            |(factor, values): &(usize, Vec<Arc<str>>)| values.contains(&combination[*factor]);
+        self.possible && self.values.iter().all(has)
+    }
+}
+
+/// Takes a combination, a value for each factor, and its key's choices.
+type Visit<'a> = dyn FnMut(&[Arc<str>], &[key::Choice]) + 'a;
+
+struct Walk<'a, 'v> {
+    factors: &'a [Factor],
+    /// The value of each factor; of those not yet chosen, the default.
+    values: Vec<Arc<str>>,
+    key: Vec<key::Choice>,
+    visit: &'a mut Visit<'v>,
+}
+
+impl Walk<'_, '_> {
+    /// Visits all combinations of the factors from `first` on. A key says nothing of defaults: so what has them
+    /// all comes first, and what has another value on an axis comes before what has none until a later one.
+    fn from(&mut self, first: usize) {
+        let factors = self.factors;
+        if (factors[first..].iter()).all(|factor| factor.default.is_some()) {
+            (self.visit)(&self.values, &self.key);
+        }
+        for (index, factor) in factors.iter().enumerate().skip(first) {
+            for value in &factor.others {
+                self.values[index] = value.clone();
+                self.key.push((factor.axis.clone(), value.clone()));
+                self.from(index + 1);
+                self.key.pop();
+            }
+            match &factor.default {
+                Some(default) => self.values[index] = default.clone(),
+                None => break,
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Files that are written whole or not at all.
+
+use std::{
+    fs::{self, File},
+    io::{self, Write as _},
+    path::Path,
+};
+
+/// What the file that is being written is called: [`PREFIX`], letters, [`SUFFIX`].
+const PREFIX: &str = ".umbrage-";
+const LETTERS: usize = 12;
+const SUFFIX: &str = ".part";
+
+/// Writes the file `path`, open to whom the process's umask allows. It is written beside its place and then renamed,
+/// so that others see what stood there or all of it, even where the process is killed.
+///
+/// # Errors
+/// A folder that is missing, full or cannot be written to.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).rand_bytes(LETTERS).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    loop {
+        let mut file = builder.tempfile_in(folder_of(path))?;
+        // Where files cannot be locked, none is swept either.
+        let _ = file.as_file().lock();
+        // Until it was locked, another process may have taken it for one left behind.
+        if !file.path().exists() {
+            continue;
+        }
+        file.write_all(bytes)?;
+        return file.persist(path).map(drop).map_err(|error| error.error);
+    }
+}
+
+/// Removes from the folder that `path` lies in what killed processes left of files that [`write_whole`] was
+/// writing there. What a process is writing stays, as does what cannot be removed.
+pub fn sweep_beside(path: &Path) {
+    let entries = fs::read_dir(folder_of(path)).into_iter().flatten();
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let letters =
+            (name.to_str()).and_then(|name| name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX));
+        let ours = letters.is_some_and(|letters| letters.len() == LETTERS);
+        if ours
+            && let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            // Another process may be sweeping as well.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_takes_the_place_of_another_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_whole(&path, b"old").unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+        assert!(write_whole(&folder.path().join("gone/a.png"), b"").is_err());
+        fs::create_dir(folder.path().join("b.png")).unwrap();
+        assert!(write_whole(&folder.path().join("b.png"), b"").is_err());
+        assert_eq!(names(folder.path()), ["a.png", "b.png"]);
+    }
+
+    #[test]
+    fn what_no_process_holds_is_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in [
+            ".umbrage-abcdefghijkl.part",
+            ".umbrage-mnopqrstuvwx.part",
+            ".umbrage-mine.part",
+            "a.part",
+        ] {
+            fs::write(path(name), "half").unwrap();
+        }
+        let held = File::open(path(".umbrage-mnopqrstuvwx.part")).unwrap();
+        held.lock().unwrap();
+        sweep_beside(&path("a.png"));
+        assert_eq!(
+            names(folder.path()),
+            [".umbrage-mine.part", ".umbrage-mnopqrstuvwx.part", "a.part"]
+        );
+        drop(held);
+        sweep_beside(&path("a.png"));
+        assert_eq!(names(folder.path()), [".umbrage-mine.part", "a.part"]);
+    }
+}
