@@ -121,7 +121,7 @@ fn scene(fields: u32) -> Scene {
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
-        medium: None,
+        medium: None, left_out: Vec::new(),
     }
 }
 
@@ -146,5 +146,6 @@ fn hills(fields: u32) -> Mesh {
         indices: fields
             .flat_map(|a| [a, a + row, a + row + 1, a, a + row + 1, a + 1])
             .collect(),
+        ..Mesh::default()
     }
 }

@@ -19,7 +19,7 @@ use umbrage_measure::{
 
 use crate::{
     args::CompareArgs,
-    output::Bars,
+    output::{Bars, tell_left_out},
     report::{check_out, write_report},
 };
 
@@ -94,7 +94,9 @@ fn command_line() -> String {
 fn load(args: &CompareArgs) -> Result<Vec<(String, Scene)>> {
     let named = |path: &Path| {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        Ok((name.into_owned(), Scene::load(path)?))
+        let scene = Scene::load(path)?;
+        tell_left_out(&scene);
+        Ok((name.into_owned(), scene))
     };
     args.scenes.iter().map(|path| named(path)).collect()
 }

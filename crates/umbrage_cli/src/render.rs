@@ -7,13 +7,13 @@ use serde::Serialize;
 use umbrage::{
     compose::{Composer, Source, Target},
     methods::registry,
-    render::{self, Gpu, PermutationUse, RenderOptions, Rendered, Renderer, Scene},
+    render::{self, Gpu, LeftOut, PermutationUse, RenderOptions, Rendered, Renderer, Scene},
     shader_library,
 };
 
 use crate::{
     args::{self, RenderArgs, What},
-    output::{check_picture, print_json, waiting},
+    output::{check_picture, print_json, tell_left_out, waiting},
 };
 
 /// What `--json` prints.
@@ -22,6 +22,8 @@ struct Report<'a> {
     picture: &'a Path,
     adapter: &'a str,
     permutations: Permutations<'a>,
+    /// What the models' files say that the picture does not show.
+    left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,
 }
@@ -60,6 +62,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
             .context("--method: choose a known one, or `none` for no shadows")?;
     }
     let scene = Scene::load(&args.scene)?;
+    tell_left_out(&scene);
     let mut composer = Composer::new(shader_library()?, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
@@ -74,7 +77,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
     for warning in &rendered.report.warnings {
         eprintln!("warning: {warning}");
     }
-    let report = report(args, &rendered);
+    let report = report(args, &scene, &rendered);
     if args.json {
         print_json(&report)?;
     } else {
@@ -109,7 +112,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
     }
 }
 
-fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
+fn report<'a>(args: &'a RenderArgs, scene: &'a Scene, rendered: &'a Rendered) -> Report<'a> {
     let used = |used: &'a PermutationUse| Used {
         key: used.key.to_string(),
         from: match used.source {
@@ -132,6 +135,7 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
             cached: rendered.report.cached(),
             used: rendered.report.permutations.iter().map(used).collect(),
         },
+        left_out: &scene.left_out,
         milliseconds: rendered.report.milliseconds,
     }
 }

@@ -6,14 +6,14 @@ use anyhow::{Context, Result};
 use glam::DVec3;
 use serde::Serialize;
 use umbrage::{
-    render::{Picture, Scene},
+    render::{LeftOut, Picture, Scene},
     shadow::{Light, LightKind},
 };
 use umbrage_measure::truth::{Source, Truth, TruthError, TruthStore};
 
 use crate::{
     args::TruthArgs,
-    output::{check_picture, print_json, progress},
+    output::{check_picture, print_json, progress, tell_left_out},
 };
 
 /// What `--json` prints: all that a tracer of another make needs beside the scene's triangles.
@@ -24,6 +24,8 @@ struct Report<'a> {
     /// The lights whose shadows the picture shows.
     lights: Vec<ReportLight<'a>>,
     triangles: usize,
+    /// What the models' files say that is not there.
+    left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,
 }
@@ -63,6 +65,7 @@ struct ReportLight<'a> {
 pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
     check_picture(&args.out)?;
     let mut scene = Scene::load(&args.scene)?;
+    tell_left_out(&scene);
     let lights = choose_lights(&mut scene, args.light)?;
     let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
     let (width, height) = args.size;
@@ -86,6 +89,7 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
             .map(|(index, light)| report_light(*index, &light.name, &light.light))
             .collect(),
         triangles: scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum(),
+        left_out: &scene.left_out,
         milliseconds,
     };
     if args.json {

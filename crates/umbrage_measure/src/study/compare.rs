@@ -122,6 +122,7 @@ fn info(name: &str, scene: &Scene) -> SceneInfo {
         name: name.to_owned(),
         lights: scene.lights.len(),
         triangles: triangles.sum(),
+        left_out: scene.left_out.clone(),
     }
 }
 

@@ -19,7 +19,7 @@ const CODE: [&str; 6] = [
 ];
 
 /// The hash of what decides the truth of `scene` in a picture of the given size, as hexadecimal digits.
-/// Colours, names and shadow methods decide nothing.
+/// Colours but for their opacity, names and shadow methods decide nothing.
 pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> String {
     let mut hash = Hash::default();
     CODE.iter().for_each(|code| hash.bytes(code.as_bytes()));
@@ -135,6 +135,10 @@ impl Hash {
         self.number(mesh.uvs.len() as u32);
         for number in mesh.uvs.iter().flat_map(|uv| uv.to_array()) {
             self.0.update(&number.to_le_bytes());
+        }
+        self.number(mesh.colors.len() as u32);
+        for color in &mesh.colors {
+            self.float(color.w.into());
         }
         self.number(mesh.indices.len() as u32);
         mesh.indices.iter().for_each(|index| self.number(*index));

@@ -11,7 +11,7 @@ use umbrage_shadow::{
 use super::{RenderOptions, draw::Term};
 use crate::{
     RenderError,
-    scene::{Material, Scene, SceneLight, Shadow, look_along},
+    scene::{Object, Scene, SceneLight, Shadow, look_along},
 };
 
 /// A light with its method, both checked.
@@ -33,7 +33,7 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 4] = ["pass", "light", "medium", "method"];
+const OWN_AXES: [&str; 5] = ["pass", "light", "medium", "method", "vertex_color"];
 
 /// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
 /// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
@@ -209,22 +209,24 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
         .unwrap_or_default()
 }
 
-/// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
+/// The key of a draw in `pass`: of `object`, where objects are drawn; for a light, where the pass is
 /// for one, and by where the light's shadow term comes from.
 pub(super) fn key(
     library: &Library,
     options: &RenderOptions,
     pass: &str,
     light: Option<(&LightSetup<'_>, Term<'_>)>,
-    material: Option<&Material>,
+    object: Option<&Object>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
     let mut choices = BTreeMap::from([("pass", pass)]);
-    if let Some(material) = material {
+    if let Some(object) = object {
+        let material = &object.material;
         let textured = material.base_color_texture.is_some();
         choices.insert("surface", material.surface.as_str());
         choices.insert("alpha_test", switch(material.alpha_cutoff.is_some()));
         choices.insert("base_color_texture", switch(textured));
+        choices.insert("vertex_color", switch(!object.mesh.colors.is_empty()));
     }
     choices.extend(
         options

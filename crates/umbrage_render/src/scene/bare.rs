@@ -1,4 +1,5 @@
-//! A model without a scene: it gets a ground, a camera and a sun that fit it.
+//! A model without a scene: it gets a ground that fits it, and what it does not bring itself of a camera and of
+//! lights.
 
 use std::{path::Path, sync::Arc};
 
@@ -6,13 +7,17 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Light, LightKind};
 
 use super::{
-    Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
+    Camera, LeftOut, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow,
+    file::look_along,
+    model::{self, Eye, Lens},
+    own_lights::{BRIGHT, own_lights},
 };
 
 /// Loads the model at `path`.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let model = model::load(path, false)?;
     let mut objects = Vec::new();
-    for part in model::load(path)? {
+    for part in model.parts {
         let object = Object::place(part.name, part.mesh, part.material, part.transform);
         let remedy = "mend the model and export it again";
         objects
@@ -39,14 +44,47 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
             remedy,
         ));
     }
+    let lights = match model.lamps.is_empty() {
+        true => vec![sun()],
+        false => own_lights(model.lamps, &objects),
+    };
     objects.push(ground(path, &bounds, centre, radius)?);
+    let mut left_out = model.left_out;
+    let camera = match own_camera(&model.eyes, &objects) {
+        Some(own) => {
+            let others = model.eyes.len() - 1;
+            left_out.extend(LeftOut::new(path, "cameras", others, "the first camera looks"));
+            own
+        }
+        None => camera(centre, radius),
+    };
     Ok(Scene {
         objects,
-        lights: vec![sun()],
-        camera: camera(centre, radius),
+        lights,
+        camera,
         ambient: Vec3::splat(0.35),
         background: Vec3::new(0.3, 0.4, 0.6),
         medium: None,
+        left_out,
+    })
+}
+
+/// The first camera that the model brings, in a scene of `objects`.
+fn own_camera(eyes: &[Eye], objects: &[Object]) -> Option<Camera> {
+    let eye = eyes.first()?;
+    let Lens::Perspective(fov_y) = eye.lens else {
+        return None;
+    };
+    let corners = objects.iter().flat_map(|object| [object.bounds.min, object.bounds.max]);
+    let away = corners.map(|corner| (corner - eye.position).abs());
+    let farthest = away.fold(DVec3::ZERO, DVec3::max).length();
+    Some(Camera {
+        position: eye.position,
+        rotation: eye.rotation,
+        fov_y,
+        near: eye.near,
+        // Without an end it sees all that there is.
+        far: eye.far.unwrap_or((2.0 * farthest).max(2.0 * eye.near)),
     })
 }
 
@@ -76,7 +114,7 @@ fn sun() -> SceneLight {
         name: "sun".to_owned(),
         light: Light {
             kind: LightKind::Directional { direction },
-            color: Vec3::splat(3.0),
+            color: Vec3::splat(BRIGHT),
         },
         cookie: None,
         shadow: Some(Shadow {

@@ -11,7 +11,7 @@ use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::{
-    Camera, Image, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
+    Camera, Image, LeftOut, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
     error::read,
     file_lights::LightFile,
     model::{self, Part},
@@ -134,7 +134,9 @@ struct MaterialFile {
 /// What scene files share: where they are, and what they have already read.
 pub(super) struct Loader<'a> {
     path: &'a Path,
-    models: BTreeMap<PathBuf, Vec<Part>>,
+    /// Also by whether they get a texture here.
+    models: BTreeMap<(PathBuf, bool), Vec<Part>>,
+    left_out: Vec<LeftOut>,
     images: BTreeMap<PathBuf, Arc<Image>>,
     /// Each once, so that models which look alike are drawn as instances.
     meshes: Vec<Arc<Mesh>>,
@@ -175,6 +177,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let mut loader = Loader {
         path,
         models: BTreeMap::new(),
+        left_out: Vec::new(),
         images: BTreeMap::new(),
         meshes: Vec::new(),
         materials: Vec::new(),
@@ -208,6 +211,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         ambient,
         background,
         medium,
+        left_out: loader.left_out,
     })
 }
 
@@ -338,7 +342,9 @@ impl Loader<'_> {
 
     fn model(&mut self, file: ModelFile, place: &str) -> Result<Vec<Object>, SceneError> {
         let parts = match (&file.file, &file.shape) {
-            (Some(model), None) => self.parts(model)?,
+            (Some(model), None) => {
+                self.parts(model, file.material.base_color_texture.is_some())?
+            }
             (None, Some(shape)) => vec![self.shape(shape, place)?],
             _ => {
                 let problem = "a model is either a file or a shape";
@@ -367,14 +373,27 @@ impl Loader<'_> {
         Ok(objects)
     }
 
-    fn parts(&mut self, file: &Path) -> Result<Vec<Part>, SceneError> {
+    /// The parts of a model, which gets a texture here if it is `textured`.
+    fn parts(&mut self, file: &Path, textured: bool) -> Result<Vec<Part>, SceneError> {
         let path = self.beside(file);
-        if let Some(parts) = self.models.get(&path) {
+        let known = (path, textured);
+        if let Some(parts) = self.models.get(&known) {
             return Ok(parts.clone());
         }
-        let parts = model::load(&path)?;
-        self.models.insert(path, parts.clone());
-        Ok(parts)
+        let model = model::load(&known.0, textured)?;
+        // The scene file's own stand in their place.
+        let [lamps, eyes] = [model.lamps.len(), model.eyes.len()];
+        let unused = [
+            LeftOut::new(file, "KHR_lights_punctual", lamps, "the scene file's lights shine"),
+            LeftOut::new(file, "cameras", eyes, "the scene file's camera looks"),
+        ];
+        for left_out in unused.into_iter().flatten().chain(model.left_out) {
+            if !self.left_out.contains(&left_out) {
+                self.left_out.push(left_out);
+            }
+        }
+        self.models.insert(known, model.parts.clone());
+        Ok(model.parts)
     }
 
     fn shape(&mut self, shape: &ShapeFile, place: &str) -> Result<Part, SceneError> {

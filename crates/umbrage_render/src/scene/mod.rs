@@ -1,13 +1,14 @@
 //! Scenes: what is to be rendered, as plain data in f64.
 
-mod accessor;
 mod bare;
 mod error;
 mod file;
 mod file_lights;
 mod image;
+mod left_out;
 mod medium;
 mod model;
+mod own_lights;
 mod shapes;
 
 use std::{collections::BTreeMap, path::Path, sync::Arc};
@@ -20,6 +21,7 @@ pub use self::{
     error::SceneError,
     file::look_along,
     image::{Image, Level},
+    left_out::LeftOut,
     medium::Medium,
 };
 
@@ -38,6 +40,8 @@ pub struct Scene {
     pub background: Vec3,
     /// What the air is like; none for air that nothing is seen of.
     pub medium: Option<Medium>,
+    /// What the models' files say that is not shown, each once.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// A mesh in its place.
@@ -64,6 +68,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down; zeros where the file has none.
     pub uvs: Vec<Vec2>,
+    /// Linear RGB and opacity, from 0 to 1, that multiply the material's; none where all would be white.
+    pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
 }
@@ -214,9 +220,37 @@ impl Mesh {
             flat.positions.extend([a, b, c]);
             flat.normals.extend([normal; 3]);
             flat.uvs.extend(corners.map(|corner| self.uvs[corner]));
+            let colors = corners.map(|corner| self.colors.get(corner).copied());
+            flat.colors.extend(colors.into_iter().flatten());
         }
         flat.indices = (0..flat.positions.len() as u32).collect();
         flat
+    }
+}
+
+impl Mesh {
+    /// The mesh without vertices that no triangle has: several meshes of a file may share one list.
+    fn into_used(self) -> Self {
+        let mut places = vec![None; self.positions.len()];
+        let mut used = Self::default();
+        let mut order = Vec::new();
+        for index in &self.indices {
+            // Indices were checked when the file was read.
+            let place = places[*index as usize].get_or_insert_with(|| {
+                order.push(*index as usize);
+                order.len() as u32 - 1
+            });
+            used.indices.push(*place);
+        }
+        if order.len() == self.positions.len() {
+            return self;
+        }
+        used.positions = order.iter().map(|vertex| self.positions[*vertex]).collect();
+        used.normals = order.iter().map(|vertex| self.normals[*vertex]).collect();
+        used.uvs = order.iter().map(|vertex| self.uvs[*vertex]).collect();
+        let colors = order.iter().filter_map(|vertex| self.colors.get(*vertex));
+        used.colors = colors.copied().collect();
+        used
     }
 }
 

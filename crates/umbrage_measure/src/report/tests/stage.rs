@@ -128,6 +128,7 @@ pub(super) fn fake_report() -> Report {
                 name: name.to_owned(),
                 lights: 1 + name.len() % 3,
                 triangles: 6_000 * name.len(),
+                left_out: Vec::new(),
             })
             .collect(),
         rows,

@@ -68,7 +68,7 @@ pub(crate) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> S
         camera,
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
-        medium: None,
+        medium: None, left_out: Vec::new(),
     }
 }
 
@@ -82,6 +82,7 @@ pub(crate) fn square(half: f32) -> Mesh {
         normals: vec![Vec3::Y; 4],
         uvs: corners.map(|c| 0.5 + 0.5 * c).into(),
         indices: vec![0, 2, 1, 0, 3, 2],
+        ..Mesh::default()
     }
 }
 
@@ -104,6 +105,7 @@ pub(crate) fn block(half: Vec3) -> Mesh {
             .iter()
             .flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d])
             .collect(),
+        ..Mesh::default()
     }
 }
 
