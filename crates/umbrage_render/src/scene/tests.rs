@@ -219,19 +219,22 @@ fn models_that_lie_about_their_data_are_refused() {
         )],
         "overlap at a stride of 4",
     );
-    assert_refused(&[("\"VEC3\"", "\"VEC2\"")], "accessors[0]: it is a Vec2");
-    assert_refused(&[("5126", "5123")], "components of type U16");
+    assert_refused(
+        &[("\"VEC3\"", "\"VEC2\"")],
+        "accessors[0]: it is a VEC2, but meshes[0].primitives[0] needs a VEC3",
+    );
+    assert_refused(&[("5126", "5125")], "components of type 5125 are not known");
     assert_refused(
         &[("\"POSITION\": 0", "\"POSITION\": 7")],
-        "meshes[0]: it names accessor 7",
+        "meshes[0].primitives[0]: it names accessors[7], but there are 2",
     );
     assert_refused(
         &[("\"mesh\": 0", "\"mesh\": 3")],
-        "nodes[0].mesh: index out of bounds",
+        "nodes[0]: it names meshes[3], but there are 1",
     );
     assert_refused(
         &[("\"indices\": 1", "\"indices\": 0")],
-        "accessors[0]: it is a Vec3",
+        "accessors[0]: it is a VEC3",
     );
     assert_refused(
         &[("\"POSITION\": 0", "\"POSITION\": 0, \"NORMAL\": 1")],
@@ -247,7 +250,7 @@ fn models_that_lie_about_their_data_are_refused() {
             "\"version\": \"2.0\"}",
             "\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_x\"]",
         )],
-        "unsupported extension",
+        "cannot be read without KHR_x",
     );
     assert_refused(&[("part%20one.bin", "gone.bin")], "gone.bin");
     assert_refused(&[("part%20one.bin", "%ff.bin")], "percent-encoded");
@@ -287,8 +290,10 @@ fn nodes_that_form_no_tree_or_stand_nowhere_are_refused() {
     };
     assert!(nodes(r#"[{"mesh": 0, "children": [0]}]"#).contains("nodes must form a tree"));
     assert!(nodes(r#"[{"children": [1]}, {"mesh": 0, "children": [0]}]"#).contains("nodes[0]"));
-    assert!(nodes(r#"[{"mesh": 0, "rotation": [0, 0, 0, 0]}]"#).contains("not finite"));
-    assert!(nodes(r#"[{"mesh": 0, "scale": [1e39, 1, 1]}]"#).contains("not finite"));
+    let twice =
+        r#"[{"scale": [1e300, 1, 1], "children": [1]}, {"mesh": 0, "scale": [1e300, 1, 1]}]"#;
+    assert!(nodes(twice).contains("nodes[1]: its transform is not finite"));
+    assert!(nodes(r#"[{"mesh": 0, "scale": [1e39, 1, 1]}]"#).contains("farther than"));
     assert!(nodes(r#"[{"mesh": 0, "translation": [1e30, 1, 1]}]"#).contains("farther than"));
 }
 

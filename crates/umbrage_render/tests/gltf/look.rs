@@ -128,7 +128,7 @@ fn cut(mode: &str, opacity: f32, texel: u8, vertex: f32) -> (Option<f32>, Vec<(S
     let colors = maker.floats(&[[0.5, 0.5, 0.5, vertex]; 3]);
     maker.attribute("COLOR_0", colors);
     let scene = maker.scene();
-    let left_out = left_out(&scene).iter().map(|(name, count)| ((*name).to_owned(), *count));
+    let left_out = left_out(&scene).into_iter().map(|(name, count)| (name.to_owned(), count));
     (scene.objects[0].material.alpha_cutoff, left_out.collect())
 }
 

@@ -145,7 +145,6 @@ fn stairs() -> umbrage_render::Mesh {
     mesh.uvs.extend_from_within(..);
     mesh.indices.extend([4, 6, 5, 4, 7, 6]);
     mesh
-    ..Mesh::default()
 }
 
 proptest! {

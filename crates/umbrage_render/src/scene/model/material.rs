@@ -172,7 +172,9 @@ impl Reader<'_> {
         let (mut texture, mut uvs) = (None, Uvs::default());
         if let Some(info) = &pbr.base_color_texture {
             texture = self.texture(images, info.index, &place)?;
-            uvs = uvs_of(info).map_err(invalid)?;
+            if texture.is_some() {
+                uvs = uvs_of(info).map_err(invalid)?;
+            }
         }
         let (alpha_cutoff, is_blended) = match file.alpha_mode.as_deref().unwrap_or("OPAQUE") {
             "OPAQUE" => (None, false),
