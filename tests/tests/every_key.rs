@@ -253,6 +253,7 @@ impl Studio {
             "transition",
             "alpha_test",
             "base_color_texture",
+            "vertex_color",
             "cookie",
         ];
         let name: Vec<_> = known
