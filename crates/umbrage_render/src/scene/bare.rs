@@ -3,7 +3,7 @@
 use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, LightKind};
+use umbrage_shadow::{Aabb, Field, Light, LightKind};
 
 use super::{
     Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
@@ -92,7 +92,9 @@ fn camera(centre: DVec3, radius: f64) -> Camera {
         // At 40 degrees a sphere of this radius fills two thirds of the picture's height.
         position: centre - 3.9 * radius * towards,
         rotation: look_along(towards).unwrap_or_default(),
-        fov_y: 40_f64.to_radians(),
+        field: Field::Perspective {
+            fov_y: 40_f64.to_radians(),
+        },
         near: 0.05 * radius,
         far: 40.0 * radius,
     }
