@@ -10,7 +10,7 @@ use umbrage::{
         Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneLight, Shadow, Texture,
         Wrap,
     },
-    shadow::{Light, LightKind},
+    shadow::{Field, Light, LightKind},
 };
 
 use crate::registry;
@@ -136,7 +136,12 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         camera: Camera {
             position: DVec3::new(1.2, 3.1, 3.6),
             rotation: looking(DVec3::new(1.2, 3.1, 3.6), DVec3::new(0.0, 0.3, 0.0)),
-            fov_y: 50f64.to_radians(),
+            field: match value("camera") {
+                "orthographic" => Field::Orthographic { height: 3.9 },
+                _ => Field::Perspective {
+                    fov_y: 50f64.to_radians(),
+                },
+            },
             near: 0.1,
             far: 50.0,
         },

@@ -242,6 +242,7 @@ impl Studio {
         let axes = self.composer.library().axes();
         let known = [
             "block",
+            "camera",
             "light",
             "method",
             "pcf",

@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Serialize;
 use umbrage::{
     render::{LeftOut, Picture, Scene},
-    shadow::{Light, LightKind},
+    shadow::{Field, Light, LightKind},
 };
 use umbrage_measure::truth::{Source, Truth, TruthError, TruthStore};
 
@@ -38,8 +38,10 @@ struct Camera {
     rotation: [f64; 4],
     forward: [f64; 3],
     up: [f64; 3],
-    /// Full vertical angle, radians.
-    fov_y: f64,
+    /// Full vertical angle, radians; none of an orthographic camera.
+    fov_y: Option<f64>,
+    /// From the picture's lower to its upper edge, metres; none of a perspective camera.
+    orthographic_height: Option<f64>,
     near: f64,
     far: f64,
     width: u32,
@@ -156,12 +158,17 @@ fn source(args: &TruthArgs, light: &Light) -> Source {
 fn camera(scene: &Scene, (width, height): (u32, u32)) -> Camera {
     let camera = &scene.camera;
     let rotation = camera.rotation.normalize();
+    let (fov_y, orthographic_height) = match camera.field {
+        Field::Perspective { fov_y } => (Some(fov_y), None),
+        Field::Orthographic { height } => (None, Some(height)),
+    };
     Camera {
         position: camera.position.to_array(),
         rotation: rotation.to_array(),
         forward: (rotation * DVec3::NEG_Z).to_array(),
         up: (rotation * DVec3::Y).to_array(),
-        fov_y: camera.fov_y,
+        fov_y,
+        orthographic_height,
         near: camera.near,
         far: camera.far,
         width,

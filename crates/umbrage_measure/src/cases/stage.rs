@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight, look_along};
-use umbrage_shadow::{Light, LightKind};
+use umbrage_shadow::{Field, Light, LightKind};
 
 use super::Case;
 
@@ -204,7 +204,9 @@ pub(super) fn camera(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera {
         position: eye,
         rotation: look_along(target - eye).unwrap_or_default(),
-        fov_y: degrees.to_radians(),
+        field: Field::Perspective {
+            fov_y: degrees.to_radians(),
+        },
         near: 0.1,
         far: 200.0,
     }

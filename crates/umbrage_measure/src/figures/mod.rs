@@ -191,7 +191,7 @@ impl Pool {
         self.counts.left_out += (reached - compared) as u64;
 
         let texels = match sample.plan {
-            Some(plan) => texels(surface, scene, sample.light, plan),
+            Some(plan) => texels(surface, sample.light, plan),
             None => vec![None; truth.len()],
         };
         let seen = texels.iter().zip(&truth).filter(|(_, t)| t.is_some());
@@ -226,7 +226,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
-            turned_away: &surface.turned_away(scene, sample.light),
+            turned_away: &surface.turned_away(sample.light),
             texels,
             true_edges: &true_edges,
             plan: sample.plan,

@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::DVec3;
 use umbrage_render::{Material, Mesh, Scene, Texture, Wrap};
-use umbrage_shadow::LightKind;
+use umbrage_shadow::{Field, LightKind};
 
 use super::Source;
 
@@ -28,7 +28,12 @@ pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> St
     let camera = &scene.camera;
     hash.point(camera.position);
     hash.floats(&camera.rotation.to_array());
-    hash.floats(&[camera.fov_y, camera.near, camera.far]);
+    let (kind, across) = match camera.field {
+        Field::Perspective { fov_y } => (0, fov_y),
+        Field::Orthographic { height } => (1, height),
+    };
+    hash.number(kind);
+    hash.floats(&[across, camera.near, camera.far]);
     hash.number(scene.lights.len() as u32);
     for (index, light) in scene.lights.iter().enumerate() {
         hash.light(&light.light.kind);

@@ -10,11 +10,11 @@ mod record;
 pub(crate) mod tests;
 mod triangles;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_render::Scene;
-use umbrage_shadow::{Light, View};
+use umbrage_shadow::{Field, Light, Projection, View};
 
 pub use self::{
     error::TruthError,
@@ -256,14 +256,22 @@ impl Tracer {
 
     /// What is seen at a place in the picture: from −1 to 1, right and down.
     fn see(&self, view: &View, across: f64, down: f64) -> Option<Seen> {
-        let projection = &view.projection;
-        let slope = (0.5 * projection.fov_y).tan();
-        let direction = DVec3::new(across * slope * projection.aspect, -down * slope, -1.0);
-        // One length of it is one metre of depth, which is what near and far are given in.
-        let ray = Ray::new(DVec3::ZERO, 0.0, view.rotation.normalize() * direction);
-        let (triangle, position) = self
-            .triangles
-            .nearest(&ray, projection.near, projection.far)?;
+        let Projection { near, far, .. } = view.projection;
+        let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(across, -down);
+        let turn = |v: DVec3| view.rotation.normalize() * v;
+        // One length of a ray is one metre of depth, which is what near and far are given in.
+        let found = match view.projection.field {
+            Field::Perspective { .. } => {
+                let ray = Ray::new(DVec3::ZERO, 0.0, turn(aside.extend(-1.0)));
+                self.triangles.nearest(&ray, near, far)
+            }
+            Field::Orthographic { .. } => {
+                let start = view.position - self.camera.position + turn(aside.extend(-near));
+                let ray = Ray::new(start, 0.0, turn(DVec3::NEG_Z));
+                self.triangles.nearest(&ray, 0.0, far - near)
+            }
+        };
+        let (triangle, position) = found?;
         let (object, triangle) = self.triangles.owner(triangle);
         Some(Seen {
             object,

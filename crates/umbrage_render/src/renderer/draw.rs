@@ -41,6 +41,8 @@ pub(super) struct FrameState<'a> {
     pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
+    /// Whether the camera's rays are parallel.
+    orthographic: bool,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
@@ -100,6 +102,7 @@ impl<'a> FrameState<'a> {
         encoder: wgpu::CommandEncoder,
         timer: Timer,
         rays: Constants,
+        orthographic: bool,
     ) -> Self {
         Self {
             planes: None,
@@ -107,6 +110,7 @@ impl<'a> FrameState<'a> {
             depths: None,
             seen: None,
             rays,
+            orthographic,
             options,
             objects,
             encoder,
@@ -235,7 +239,8 @@ impl Renderer {
     ) -> Result<Arc<Permutation>, RenderError> {
         let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
-        let key = lights::key(library, frame.options, inputs.pass, light, object)?;
+        let view = (frame.options, frame.orthographic);
+        let key = lights::key(library, view, inputs.pass, light, object)?;
         if let Some(known) = frame.composed.get(&key) {
             return Ok(Arc::clone(known));
         }

@@ -33,7 +33,7 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 5] = ["pass", "light", "medium", "method", "vertex_color"];
+const OWN_AXES: [&str; 6] = ["camera", "pass", "light", "medium", "method", "vertex_color"];
 
 /// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
 /// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
@@ -210,10 +210,10 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The key of a draw in `pass`: of `object`, where objects are drawn; for a light, where the pass is
-/// for one, and by where the light's shadow term comes from.
+/// for one, and by where the light's shadow term comes from. With the options comes whether the camera is orthographic.
 pub(super) fn key(
     library: &Library,
-    options: &RenderOptions,
+    (options, orthographic): (&RenderOptions, bool),
     pass: &str,
     light: Option<(&LightSetup<'_>, Term<'_>)>,
     object: Option<&Object>,
@@ -234,6 +234,9 @@ pub(super) fn key(
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
+    if orthographic {
+        choices.insert("camera", "orthographic");
+    }
     let (light, term) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.

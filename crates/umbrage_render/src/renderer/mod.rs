@@ -225,7 +225,7 @@ impl Renderer {
         let registry = self.registry.clone();
         let library = self.composer.library();
         let lights = lights::set_up(scene, options, &registry, library)?;
-        let view = scene.camera.view(options.width, options.height);
+        let view = scene.view(options.width, options.height);
         check(scene, &view)?;
         let rays = masks::rays(&view, options);
         let rays = match &scene.medium {
@@ -255,6 +255,7 @@ impl Renderer {
             encoder,
             Timer::new(&self.gpu, options.timed),
             rays,
+            shot.view.projection.is_orthographic(),
         );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,

@@ -4,12 +4,12 @@
 use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, LightKind};
+use umbrage_shadow::{Aabb, Field, Light, LightKind};
 
 use super::{
     Camera, LeftOut, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow,
     file::look_along,
-    model::{self, Eye, Lens},
+    model::{self, Eye},
     own_lights::{BRIGHT, own_lights},
 };
 
@@ -72,16 +72,13 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
 /// The first camera that the model brings, in a scene of `objects`.
 fn own_camera(eyes: &[Eye], objects: &[Object]) -> Option<Camera> {
     let eye = eyes.first()?;
-    let Lens::Perspective(fov_y) = eye.lens else {
-        return None;
-    };
     let corners = objects.iter().flat_map(|object| [object.bounds.min, object.bounds.max]);
     let away = corners.map(|corner| (corner - eye.position).abs());
     let farthest = away.fold(DVec3::ZERO, DVec3::max).length();
     Some(Camera {
         position: eye.position,
         rotation: eye.rotation,
-        fov_y,
+        field: eye.field,
         near: eye.near,
         // Without an end it sees all that there is.
         far: eye.far.unwrap_or((2.0 * farthest).max(2.0 * eye.near)),
@@ -130,7 +127,9 @@ fn camera(centre: DVec3, radius: f64) -> Camera {
         // At 40 degrees a sphere of this radius fills two thirds of the picture's height.
         position: centre - 3.9 * radius * towards,
         rotation: look_along(towards).unwrap_or_default(),
-        fov_y: 40_f64.to_radians(),
+        field: Field::Perspective {
+            fov_y: 40_f64.to_radians(),
+        },
         near: 0.05 * radius,
         far: 40.0 * radius,
     }

@@ -9,6 +9,7 @@ use std::{
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
 use ron::extensions::Extensions;
 use serde::Deserialize;
+use umbrage_shadow::Field;
 
 use super::{
     Camera, Image, LeftOut, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
@@ -38,16 +39,14 @@ struct CameraFile {
     position: (f64, f64, f64),
     target: Option<(f64, f64, f64)>,
     rotation: Option<RotationFile>,
-    #[serde(default = "default_fov")]
-    fov_degrees: f64,
+    /// Of a perspective camera, which it is unless it has a height.
+    fov_degrees: Option<f64>,
+    /// From the picture's lower to its upper edge, metres.
+    orthographic_height: Option<f64>,
     #[serde(default = "default_near")]
     near: f64,
     #[serde(default = "default_far")]
     far: f64,
-}
-
-fn default_fov() -> f64 {
-    45.0
 }
 
 fn default_near() -> f64 {
@@ -320,13 +319,14 @@ impl Loader<'_> {
                 return Err(self.invalid("camera", problem, "give one of the two"));
             }
         };
-        let fov = self.number(
-            "camera.fov_degrees".to_owned(),
-            file.fov_degrees,
-            0.01..=179.0,
-        )?;
-        let near = self.number("camera.near".to_owned(), file.near, 1e-6..=1e12)?;
-        let far = self.number("camera.far".to_owned(), file.far, 1e-6..=1e12)?;
+        let field = self.field(file)?;
+        let nearest = match field {
+            Field::Perspective { .. } => 1e-6,
+            // What lies behind its position is seen as what lies before it.
+            Field::Orthographic { .. } => -1e12,
+        };
+        let near = self.number("camera.near".to_owned(), file.near, nearest..=1e12)?;
+        let far = self.number("camera.far".to_owned(), file.far, nearest..=1e12)?;
         if far <= near {
             let problem = format!("it is {far}, but must lie beyond near, {near}");
             return Err(self.invalid("camera.far", problem, "change one of them"));
@@ -334,10 +334,33 @@ impl Loader<'_> {
         Ok(Camera {
             position,
             rotation,
-            fov_y: fov.to_radians(),
+            field,
             near,
             far,
         })
+    }
+
+    fn field(&self, file: &CameraFile) -> Result<Field, SceneError> {
+        match (file.fov_degrees, file.orthographic_height) {
+            (Some(_), Some(_)) => Err(self.invalid(
+                "camera",
+                "it has both an angle, `fov_degrees`, and an `orthographic_height`",
+                "give one of the two",
+            )),
+            (degrees, None) => {
+                let degrees = degrees.unwrap_or(45.0);
+                let place = "camera.fov_degrees".to_owned();
+                let degrees = self.number(place, degrees, 0.01..=179.0)?;
+                Ok(Field::Perspective {
+                    fov_y: degrees.to_radians(),
+                })
+            }
+            (None, Some(height)) => {
+                let place = "camera.orthographic_height".to_owned();
+                let height = self.number(place, height, 1e-6..=1e12)?;
+                Ok(Field::Orthographic { height })
+            }
+        }
     }
 
     fn model(&mut self, file: ModelFile, place: &str) -> Result<Vec<Object>, SceneError> {

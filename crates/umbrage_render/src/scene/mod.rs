@@ -14,7 +14,7 @@ mod shapes;
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, Projection, View};
+use umbrage_shadow::{Aabb, Field, Light, Projection, View, overlap};
 
 pub(crate) use self::image::encode_srgb;
 pub use self::{
@@ -150,31 +150,57 @@ pub struct Camera {
     pub position: DVec3,
     /// From its axes to the world's; it looks along −z of its own.
     pub rotation: DQuat,
-    /// Full vertical angle, radians.
-    pub fov_y: f64,
-    /// The nearest that is seen; metres, above 0.
+    /// What it sees across.
+    pub field: Field,
+    /// The nearest that is seen, from the position along the way that it looks; metres. Above 0, but for an orthographic
+    /// camera, which sees behind its position as well.
     pub near: f64,
     /// The farthest that is seen; metres.
     pub far: f64,
 }
 
 impl Camera {
-    /// The camera as a view of a picture of the given size in pixels (both above 0).
+    /// The camera as a view of a picture of the given size in pixels (both above 0). Whoever reads what a renderer planned
+    /// for a scene wants [`Scene::view`].
     pub fn view(&self, width: u32, height: u32) -> View {
-        View {
+        let view = View {
             position: self.position,
             rotation: self.rotation,
             projection: Projection {
-                fov_y: self.fov_y,
+                field: self.field,
                 aspect: f64::from(width) / f64::from(height),
                 near: self.near,
                 far: self.far,
             },
-        }
+            eye: 0.0,
+        };
+        view.around(self.near, self.far)
     }
 }
 
 impl Scene {
+    /// What a picture of the given size in pixels (both above 0) is rendered from: the camera's view. Positions on the
+    /// device and in plans are relative to its position, which is the camera's own unless that is orthographic: then it
+    /// [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
+    pub fn view(&self, width: u32, height: u32) -> View {
+        let view = self.camera.view(width, height);
+        if !view.projection.is_orthographic() || self.medium.is_some() {
+            return view;
+        }
+        let (frustum, forward) = (view.frustum_relative(), view.forward());
+        let boxes = self.objects.iter().map(|object| object.bounds);
+        let boxes = boxes.filter(Aabb::is_finite);
+        let seen = boxes.flat_map(|aabb| overlap(&aabb.translate(-view.position), &[&frustum]));
+        let depths = seen.map(|point| point.dot(forward));
+        let range = depths
+            .map(|depth| [depth; 2])
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        match range {
+            Some([nearest, farthest]) => view.around(nearest, farthest),
+            None => view,
+        }
+    }
+
     /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, a camera and a
     /// sun that fit it.
     ///

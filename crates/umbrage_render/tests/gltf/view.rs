@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use umbrage_render::{Scene, SceneLight};
-use umbrage_shadow::LightKind;
+use umbrage_shadow::{Field, LightKind};
 
 use crate::maker::{Maker, assert_near, left_out, load_in, triangle};
 
@@ -158,7 +158,23 @@ fn the_first_camera_of_a_bare_model_looks() {
 }
 
 fn fov(scene: &Scene) -> f64 {
-    scene.camera.fov_y
+    match scene.camera.field {
+        Field::Perspective { fov_y } => fov_y,
+        Field::Orthographic { height } => panic!("orthographic, of {height} m"),
+    }
+}
+
+#[test]
+fn an_orthographic_camera_sees_twice_its_magnification() {
+    let lens = json!({"xmag": 7, "ymag": 2.5, "znear": 0, "zfar": 20});
+    let mut maker = with_camera(&json!({"type": "orthographic", "orthographic": lens}));
+    let scene = maker.scene();
+    assert_eq!(left_out(&scene), []);
+    assert_eq!(scene.camera.field, Field::Orthographic { height: 5.0 });
+    assert_eq!((scene.camera.near, scene.camera.far), (0.0, 20.0));
+    assert_near(&[scene.camera.rotation * DVec3::NEG_Z], &[[0.0, -1.0, 0.0]]);
+    maker.json["cameras"][0]["orthographic"]["ymag"] = json!(0);
+    assert!(maker.refusal().contains("its ymag is 0"), "{}", maker.refusal());
 }
 
 #[test]

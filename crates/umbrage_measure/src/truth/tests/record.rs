@@ -124,7 +124,8 @@ fn the_name_follows_what_the_truth_depends_on_and_nothing_else() {
     let other: [&dyn Fn(&mut Scene); 10] = [
         &|scene| scene.camera.position.x += 1e-9,
         &|scene| scene.camera.far += 1.0,
-        &|scene| scene.camera.fov_y += 1e-9,
+        &|scene| scene.camera.field = Field::Perspective { fov_y: 0.5 },
+        &|scene| scene.camera.field = Field::Orthographic { height: 0.5 },
         &|scene| scene.objects[1].transform.translation.y += 1e-9,
         &|scene| Arc::make_mut(&mut scene.objects[1].mesh).positions[3].x += 1e-3,
         &|scene| Arc::make_mut(&mut scene.objects[1].mesh).indices.swap(0, 1),

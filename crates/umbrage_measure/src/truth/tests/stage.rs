@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
 use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight};
-use umbrage_shadow::{Light, LightKind};
+use umbrage_shadow::{Field, Light, LightKind};
 
 /// Where a scene stands and how large it is: what is at `p` stands at `origin + scale * p`.
 #[derive(Clone, Copy)]
@@ -46,7 +46,9 @@ impl Place {
         Camera {
             position: self.at(eye),
             rotation: DQuat::from_mat3(&axes),
-            fov_y: 60_f64.to_radians(),
+            field: Field::Perspective {
+                fov_y: 60_f64.to_radians(),
+            },
             near: 0.01 * self.scale,
             far: 1000.0 * self.scale,
         }

@@ -24,7 +24,7 @@ use self::{
     mesh::Shapes,
     node::Placed,
 };
-pub(super) use self::view::{Eye, Lamp, Lens};
+pub(super) use self::view::{Eye, Lamp};
 use super::{LeftOut, Material, Mesh, SceneError, error::read};
 
 /// What a model's file holds.

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use serde::Deserialize;
-use umbrage_shadow::LightKind;
+use umbrage_shadow::{Field, LightKind};
 
 use super::{Reader, SceneError, node::Placed};
 
@@ -24,19 +24,10 @@ pub(in crate::scene) struct Eye {
     pub(in crate::scene) position: DVec3,
     /// From its axes to the scene's; it looks along −z of its own.
     pub(in crate::scene) rotation: DQuat,
-    pub(in crate::scene) lens: Lens,
+    pub(in crate::scene) field: Field,
     pub(in crate::scene) near: f64,
     /// None without an end.
     pub(in crate::scene) far: Option<f64>,
-}
-
-/// How much an eye sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene) enum Lens {
-    /// Full vertical angle, radians.
-    Perspective(f64),
-    /// From the bottom to the top, metres.
-    Orthographic(f64),
 }
 
 #[derive(Deserialize)]
@@ -177,19 +168,21 @@ impl Reader<'_> {
         let file: CameraFile = document.element("cameras", number, &placed.place)?;
         let place = format!("cameras[{}]", number.0);
         let invalid = |problem: String| Err(document.invalid(&place, problem));
-        let (lens, near, far) = match (file.kind.as_str(), &file.perspective, &file.orthographic) {
+        let (field, near, far) = match (file.kind.as_str(), &file.perspective, &file.orthographic) {
             ("perspective", Some(lens), _) => {
                 if !(lens.yfov > 0.0 && lens.yfov < PI) {
                     let yfov = lens.yfov;
                     return invalid(format!("its yfov is {yfov}, but must lie between 0 and π"));
                 }
-                (Lens::Perspective(lens.yfov), lens.znear, lens.zfar)
+                (Field::Perspective { fov_y: lens.yfov }, lens.znear, lens.zfar)
             }
             ("orthographic", _, Some(lens)) => {
                 if !(lens.ymag.abs() > 0.0 && lens.ymag.is_finite()) {
                     return invalid(format!("its ymag is {}, but must not be 0", lens.ymag));
                 }
-                (Lens::Orthographic(2.0 * lens.ymag.abs()), lens.znear, Some(lens.zfar))
+                // From the middle of the picture to its edge.
+                let height = 2.0 * lens.ymag.abs();
+                (Field::Orthographic { height }, lens.znear, Some(lens.zfar))
             }
             (kind @ ("perspective" | "orthographic"), ..) => {
                 return invalid(format!("it is {kind}, but does not say how"));
@@ -200,9 +193,9 @@ impl Reader<'_> {
                 ));
             }
         };
-        let least = match lens {
-            Lens::Perspective(_) => near > 0.0,
-            Lens::Orthographic(_) => near >= 0.0,
+        let least = match field {
+            Field::Perspective { .. } => near > 0.0,
+            Field::Orthographic { .. } => near >= 0.0,
         };
         if !least || far.is_some_and(|far| far.is_nan() || far <= near) {
             let far = far.map_or("no end".to_owned(), |far| far.to_string());
@@ -219,7 +212,7 @@ impl Reader<'_> {
         Ok(Some(Eye {
             position: placed.world.translation,
             rotation,
-            lens,
+            field,
             near,
             far,
         }))
