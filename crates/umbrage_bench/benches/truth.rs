@@ -121,7 +121,8 @@ fn scene(fields: u32) -> Scene {
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
-        medium: None, left_out: Vec::new(),
+        medium: None,
+        left_out: Vec::new(),
     }
 }
 

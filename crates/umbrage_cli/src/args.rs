@@ -42,7 +42,7 @@ pub(crate) enum Command {
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
-    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, and a camera and a sun where it has none.
     pub(crate) scene: PathBuf,
     /// The picture's size in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
@@ -78,7 +78,7 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args)]
 pub(crate) struct TruthArgs {
-    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, and a camera and a sun where it has none.
     pub(crate) scene: PathBuf,
     /// The picture's size in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
@@ -106,7 +106,7 @@ pub(crate) struct TruthArgs {
 
 #[derive(Args)]
 pub(crate) struct CompareArgs {
-    /// Scene files (.ron), or bare models (.glb, .gltf), which get a ground, a camera and a sun.
+    /// Scene files (.ron), or bare models (.glb, .gltf), which get a ground, and a camera and a sun where they have none.
     #[arg(required = true, value_name = "SCENE")]
     pub(crate) scenes: Vec<PathBuf>,
     /// The methods, with commas between; without it or with `all`, every one.

@@ -25,7 +25,8 @@ struct Data {
 impl Data {
     fn view(&mut self, bytes: &[u8]) -> usize {
         let start = self.bytes.len();
-        self.views.push(json!({"buffer": 0, "byteOffset": start, "byteLength": bytes.len()}));
+        self.views
+            .push(json!({"buffer": 0, "byteOffset": start, "byteLength": bytes.len()}));
         self.bytes.extend(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.views.len() - 1
@@ -33,7 +34,8 @@ impl Data {
 
     fn add(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
-        self.accessors.push(json!({"bufferView": view, "componentType": component,
+        self.accessors
+            .push(json!({"bufferView": view, "componentType": component,
             "normalized": component < 5123, "count": count, "type": kind}));
         self.accessors.len() - 1
     }
@@ -52,20 +54,26 @@ fn model(folder: &TempDir) {
     let square = [-127, 0, -127, 127, 0, -127, 127, 0, 127, -127, 0, 127].map(|x: i8| x as u8);
     let square = data.add("VEC3", 5120, 4, &square);
     let indices = data.view(&[0, 2, 1, 0, 3, 2]);
-    data.accessors.push(json!({"bufferView": indices, "componentType": 5121, "count": 6, "type": "SCALAR"}));
+    data.accessors
+        .push(json!({"bufferView": indices, "componentType": 5121, "count": 6, "type": "SCALAR"}));
     let indices = data.accessors.len() - 1;
     let uvs = data.floats("VEC2", 4, &[0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0]);
     let clear = [9, 9, 9, 0];
     let solid = [9, 9, 9, 255];
     let colors = data.add("VEC4", 5121, 4, &[clear, solid, solid, clear].concat());
     let joints = data.view(&[0; 16]);
-    data.accessors.push(json!({"bufferView": joints, "componentType": 5121, "count": 4, "type": "VEC4"}));
+    data.accessors
+        .push(json!({"bufferView": joints, "componentType": 5121, "count": 4, "type": "VEC4"}));
     let joints = data.accessors.len() - 1;
     let weights = data.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0].repeat(4));
     let places = data.floats("VEC3", 3, &[-3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0]);
     // Solid on the left, clear on the right; moved by half of itself, the other way round.
-    let picture = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([9, 9, 9, if x == 0 { 255 } else { 0 }]));
-    picture.save(folder.path().join("halves.png")).expect("written");
+    let picture = image::RgbaImage::from_fn(2, 1, |x, _| {
+        image::Rgba([9, 9, 9, if x == 0 { 255 } else { 0 }])
+    });
+    picture
+        .save(folder.path().join("halves.png"))
+        .expect("written");
     let primitive = |more: Value, material: usize| {
         let mut attributes = json!({"POSITION": square});
         for (name, value) in more.as_object().expect("members") {
@@ -133,7 +141,9 @@ fn instances_skins_and_holes_cast_their_shadows() {
     };
     let tracer = Tracer::new(&scene).expect("a sound scene");
     let sight = tracer.look(SIZE.0, SIZE.1, &|| ()).expect("a size");
-    let truth = tracer.shadow(&sight, 0, Source::Sharp, &|| ()).expect("a light");
+    let truth = tracer
+        .shadow(&sight, 0, Source::Sharp, &|| ())
+        .expect("a light");
 
     let (mut wrong, mut by_hand) = (0, [0; 2]);
     for (pixel, (seen, truth)) in sight.seen().iter().zip(&truth).enumerate() {

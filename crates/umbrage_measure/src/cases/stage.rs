@@ -30,7 +30,8 @@ impl Stage {
             camera,
             ambient: Vec3::new(0.10, 0.12, 0.16),
             background: Vec3::new(0.32, 0.48, 0.70),
-            medium: None, left_out: Vec::new(),
+            medium: None,
+            left_out: Vec::new(),
         })
     }
 

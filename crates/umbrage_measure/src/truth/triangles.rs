@@ -221,7 +221,8 @@ impl Triangles {
     fn is_solid(&self, triangle: u32, meeting: &Meeting) -> bool {
         let part = &self.objects[self.owner(triangle).0 as usize];
         is_solid(&part.material, || {
-            let vertices = self.corners[triangle as usize].map(|corner| (corner - part.first_vertex) as usize);
+            let vertices =
+                self.corners[triangle as usize].map(|corner| (corner - part.first_vertex) as usize);
             let corners = vertices.into_iter().zip(meeting.shares);
             corners.fold((DVec2::ZERO, 0.0), |(uv, opacity), (vertex, share)| {
                 let own = part.mesh.uvs.get(vertex).copied().unwrap_or_default();

@@ -146,7 +146,9 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
     let what = format!("the mesh of object `{}`", object.name);
     let vertex = |bytes: &[u8]| match bytes.is_empty() {
         true => Ok(None),
-        false => gpu.buffer(&what, wgpu::BufferUsages::VERTEX, bytes).map(Some),
+        false => gpu
+            .buffer(&what, wgpu::BufferUsages::VERTEX, bytes)
+            .map(Some),
     };
     let count = mesh.indices.len() as u32;
     match vertices {

@@ -20,7 +20,10 @@ use super::{
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
-use crate::{PermutationUse, RenderError, Report, scene::{Material, Object}};
+use crate::{
+    PermutationUse, RenderError, Report,
+    scene::{Material, Object},
+};
 
 /// What is being rendered, and what has been found out on the way.
 pub(super) struct FrameState<'a> {

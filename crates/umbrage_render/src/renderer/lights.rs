@@ -33,7 +33,14 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 6] = ["camera", "pass", "light", "medium", "method", "vertex_color"];
+const OWN_AXES: [&str; 6] = [
+    "camera",
+    "pass",
+    "light",
+    "medium",
+    "method",
+    "vertex_color",
+];
 
 /// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
 /// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.

@@ -53,7 +53,12 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let camera = match own_camera(&model.eyes, &objects) {
         Some(own) => {
             let others = model.eyes.len() - 1;
-            left_out.extend(LeftOut::new(path, "cameras", others, "the first camera looks"));
+            left_out.extend(LeftOut::new(
+                path,
+                "cameras",
+                others,
+                "the first camera looks",
+            ));
             own
         }
         None => camera(centre, radius),
@@ -72,7 +77,9 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
 /// The first camera that the model brings, in a scene of `objects`.
 fn own_camera(eyes: &[Eye], objects: &[Object]) -> Option<Camera> {
     let eye = eyes.first()?;
-    let corners = objects.iter().flat_map(|object| [object.bounds.min, object.bounds.max]);
+    let corners = objects
+        .iter()
+        .flat_map(|object| [object.bounds.min, object.bounds.max]);
     let away = corners.map(|corner| (corner - eye.position).abs());
     let farthest = away.fold(DVec3::ZERO, DVec3::max).length();
     Some(Camera {

@@ -365,9 +365,7 @@ impl Loader<'_> {
 
     fn model(&mut self, file: ModelFile, place: &str) -> Result<Vec<Object>, SceneError> {
         let parts = match (&file.file, &file.shape) {
-            (Some(model), None) => {
-                self.parts(model, file.material.base_color_texture.is_some())?
-            }
+            (Some(model), None) => self.parts(model, file.material.base_color_texture.is_some())?,
             (None, Some(shape)) => vec![self.shape(shape, place)?],
             _ => {
                 let problem = "a model is either a file or a shape";
@@ -407,7 +405,12 @@ impl Loader<'_> {
         // The scene file's own stand in their place.
         let [lamps, eyes] = [model.lamps.len(), model.eyes.len()];
         let unused = [
-            LeftOut::new(file, "KHR_lights_punctual", lamps, "the scene file's lights shine"),
+            LeftOut::new(
+                file,
+                "KHR_lights_punctual",
+                lamps,
+                "the scene file's lights shine",
+            ),
             LeftOut::new(file, "cameras", eyes, "the scene file's camera looks"),
         ];
         for left_out in unused.into_iter().flatten().chain(model.left_out) {

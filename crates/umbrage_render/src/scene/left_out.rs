@@ -19,7 +19,11 @@ impl LeftOut {
     /// What the file at `path` says in so many places; none where it says it nowhere.
     pub(super) fn new(path: &Path, feature: &str, places: usize, instead: &str) -> Option<Self> {
         (places > 0).then(|| Self {
-            file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            file: path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
             feature: feature.to_owned(),
             places,
             instead: instead.to_owned(),

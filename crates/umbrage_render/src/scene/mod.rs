@@ -201,8 +201,8 @@ impl Scene {
         }
     }
 
-    /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, a camera and a
-    /// sun that fit it.
+    /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, and where it has
+    /// none a camera and a sun that fit it.
     ///
     /// # Errors
     /// A file that is missing, damaged, or says what cannot be rendered.

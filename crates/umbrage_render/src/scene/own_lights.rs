@@ -40,12 +40,17 @@ pub(super) fn own_lights(mut lamps: Vec<Lamp>, objects: &[Object]) -> Vec<SceneL
 
 /// Gives a light an end that has none.
 fn end(kind: &mut LightKind, objects: &[Object]) {
-    let (LightKind::Point { position, range } | LightKind::Spot { position, range, .. }) = kind
+    let (LightKind::Point { position, range }
+    | LightKind::Spot {
+        position, range, ..
+    }) = kind
     else {
         return;
     };
     if range.is_infinite() {
-        let corners = objects.iter().flat_map(|object| [object.bounds.min, object.bounds.max]);
+        let corners = objects
+            .iter()
+            .flat_map(|object| [object.bounds.min, object.bounds.max]);
         let away = corners.map(|corner| (corner - *position).abs());
         *range = ENDLESS * away.fold(DVec3::ZERO, DVec3::max).length();
     }
@@ -58,7 +63,9 @@ fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
         for corners in object.mesh.indices.as_chunks::<3>().0 {
             let [a, b, c] = corners.map(|corner| {
                 let position = object.mesh.positions.get(corner as usize).copied();
-                object.transform.transform_point3(position.unwrap_or_default().as_dvec3())
+                object
+                    .transform
+                    .transform_point3(position.unwrap_or_default().as_dvec3())
             });
             let area = 0.5 * (b - a).cross(c - a).length();
             let middle = (a + b + c) / 3.0;

@@ -37,10 +37,17 @@ fn rich() -> Maker {
             "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 1, "scale": [2, 2]}}}},
     }));
     let inverse = maker.floats(&[[1.0_f32; 16]]);
-    maker.push("skins", json!({"joints": [1], "inverseBindMatrices": inverse}));
+    maker.push(
+        "skins",
+        json!({"joints": [1], "inverseBindMatrices": inverse}),
+    );
     let instances = maker.floats(&[[0.0_f32, 1.0, 2.0]; 2]);
-    maker.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1, "zfar": 9}}));
-    maker.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "range": 9}]}});
+    maker.push(
+        "cameras",
+        json!({"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1, "zfar": 9}}),
+    );
+    maker.json["extensions"] =
+        json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "range": 9}]}});
     maker.json["nodes"] = json!([
         {"mesh": 0, "children": [1], "rotation": [0, 0, 0, 1], "extensions":
             {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": instances}}}},
@@ -79,7 +86,10 @@ fn damaged_bytes_are_read_or_refused() {
         }
         read += usize::from(load_in(folder.path(), "model.glb", &bytes).is_ok());
     }
-    assert!(read > 100, "{read} were read: too few tell of what follows the JSON");
+    assert!(
+        read > 100,
+        "{read} were read: too few tell of what follows the JSON"
+    );
 }
 
 /// All values below `value`, by their pointers.
@@ -138,12 +148,18 @@ fn other_values_are_read_or_refused() {
                 Err(error) => {
                     refused += 1;
                     let said = error.to_string();
-                    assert!(said.contains("model.gltf: ") && !said.contains('\n'), "{said}");
+                    assert!(
+                        said.contains("model.gltf: ") && !said.contains('\n'),
+                        "{said}"
+                    );
                 }
             }
         }
     }
-    assert!(read > 100 && refused > 1000, "{read} read, {refused} refused");
+    assert!(
+        read > 100 && refused > 1000,
+        "{read} read, {refused} refused"
+    );
     // Without one of its members.
     for place in &places {
         let Some((parent, name)) = place.rsplit_once('/') else {

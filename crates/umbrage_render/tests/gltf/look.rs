@@ -28,29 +28,46 @@ fn mesh(maker: &Maker) -> Mesh {
 }
 
 fn uvs(transform: &Value) -> Vec<Vec2> {
-    mesh(&textured(&json!({"extensions": {"KHR_texture_transform": transform}}))).uvs
+    mesh(&textured(
+        &json!({"extensions": {"KHR_texture_transform": transform}}),
+    ))
+    .uvs
 }
 
 fn assert_uvs(found: &[Vec2], expected: [[f32; 2]; 3]) {
     for (found, expected) in found.iter().zip(expected) {
-        assert!(found.abs_diff_eq(expected.into(), 1e-6), "{found} is not {expected:?}");
+        assert!(
+            found.abs_diff_eq(expected.into(), 1e-6),
+            "{found} is not {expected:?}"
+        );
     }
 }
 
 #[test]
 fn textures_are_transformed_as_their_extension_says() {
     assert_uvs(&uvs(&json!({})), [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-    assert_uvs(&uvs(&json!({"offset": [0.5, -2]})), [[0.5, -2.0], [1.5, -2.0], [0.5, -1.0]]);
-    assert_uvs(&uvs(&json!({"scale": [3, -1]})), [[0.0, 0.0], [3.0, 0.0], [0.0, -1.0]]);
+    assert_uvs(
+        &uvs(&json!({"offset": [0.5, -2]})),
+        [[0.5, -2.0], [1.5, -2.0], [0.5, -1.0]],
+    );
+    assert_uvs(
+        &uvs(&json!({"scale": [3, -1]})),
+        [[0.0, 0.0], [3.0, 0.0], [0.0, -1.0]],
+    );
     // The extension's example: the lower left quadrant of the picture, turned by a right angle.
     let quadrant = json!({"offset": [0, 1], "rotation": FRAC_PI_2, "scale": [0.5, 0.5]});
     assert_uvs(&uvs(&quadrant), [[0.0, 1.0], [0.0, 0.5], [0.5, 1.0]]);
     // Scaled, then turned (not along the axes), then moved.
     let all = json!({"offset": [1, 2], "rotation": FRAC_PI_2 / 3.0, "scale": [2, 4]});
     let half_root = 3_f32.sqrt() / 2.0;
-    let expected = [[1.0, 2.0], [1.0 + 2.0 * half_root, 1.0], [3.0, 2.0 + 4.0 * half_root]];
+    let expected = [
+        [1.0, 2.0],
+        [1.0 + 2.0 * half_root, 1.0],
+        [3.0, 2.0 + 4.0 * half_root],
+    ];
     assert_uvs(&uvs(&all), expected);
-    let said = textured(&json!({"extensions": {"KHR_texture_transform": {"scale": [1e300, 1e39]}}}));
+    let said =
+        textured(&json!({"extensions": {"KHR_texture_transform": {"scale": [1e300, 1e39]}}}));
     assert!(said.refusal().contains("TEXCOORD_0"), "{}", said.refusal());
 }
 
@@ -64,7 +81,8 @@ fn a_texture_reads_the_set_that_it_names() {
     };
     assert_eq!(with(&json!({})), Vec2::Y);
     assert_eq!(with(&json!({"texCoord": 1})), Vec2::new(9.0, 0.0));
-    let overriding = json!({"texCoord": 0, "extensions": {"KHR_texture_transform": {"texCoord": 1}}});
+    let overriding =
+        json!({"texCoord": 0, "extensions": {"KHR_texture_transform": {"texCoord": 1}}});
     assert_eq!(with(&overriding), Vec2::new(9.0, 0.0));
     // What is not there is told.
     let scene = textured(&json!({"texCoord": 5})).scene();
@@ -74,10 +92,18 @@ fn a_texture_reads_the_set_that_it_names() {
 #[test]
 fn colours_of_vertices_come_in_all_types() {
     let expected = [[0.0, 0.2, 1.0], [1.0, 1.0, 1.0], [0.6, 0.4, 0.8]];
-    let bytes: Vec<u8> = expected.iter().flatten().map(|x| (255.0 * x) as u8).collect();
+    let bytes: Vec<u8> = expected
+        .iter()
+        .flatten()
+        .map(|x| (255.0 * x) as u8)
+        .collect();
     let shorts = expected.iter().flatten().map(|x| (65535.0 * x) as u16);
     let shorts: Vec<u8> = shorts.flat_map(u16::to_le_bytes).collect();
-    let floats: Vec<u8> = expected.iter().flatten().flat_map(|x: &f32| x.to_le_bytes()).collect();
+    let floats: Vec<u8> = expected
+        .iter()
+        .flatten()
+        .flat_map(|x: &f32| x.to_le_bytes())
+        .collect();
     for (component, bytes) in [(U8, bytes), (U16, shorts), (F32, floats)] {
         // Three numbers a vertex, and from the same bytes four of another triangle.
         let mut maker = triangle();
@@ -101,8 +127,16 @@ fn colours_of_vertices_come_in_all_types() {
         let colors = maker.push("accessors", accessor);
         maker.attribute("COLOR_0", colors);
         let found = mesh(&maker).colors;
-        assert!(found[0].abs_diff_eq(Vec4::new(0.0, 0.2, 1.0, 1.0), 1e-5), "{}", found[0]);
-        assert!(found[1].abs_diff_eq(Vec4::new(1.0, 1.0, 0.6, 0.4), 1e-5), "{}", found[1]);
+        assert!(
+            found[0].abs_diff_eq(Vec4::new(0.0, 0.2, 1.0, 1.0), 1e-5),
+            "{}",
+            found[0]
+        );
+        assert!(
+            found[1].abs_diff_eq(Vec4::new(1.0, 1.0, 0.6, 0.4), 1e-5),
+            "{}",
+            found[1]
+        );
     }
     // Clamped, as glTF has it; white is no colour.
     let mut maker = triangle();
@@ -120,7 +154,11 @@ fn colours_of_vertices_come_in_all_types() {
 /// The cut-off of a material of this mode, opacity and texel on a mesh of this opacity, and what is left out.
 fn cut(mode: &str, opacity: f32, texel: u8, vertex: f32) -> (Option<f32>, Vec<(String, usize)>) {
     let mut maker = textured(&json!({}));
-    let texture = maker.texture(&image::RgbaImage::from_pixel(1, 1, image::Rgba([9, 9, 9, texel])));
+    let texture = maker.texture(&image::RgbaImage::from_pixel(
+        1,
+        1,
+        image::Rgba([9, 9, 9, texel]),
+    ));
     let material = &mut maker.json["materials"][0];
     material["alphaMode"] = json!(mode);
     material["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, opacity]);
@@ -128,7 +166,9 @@ fn cut(mode: &str, opacity: f32, texel: u8, vertex: f32) -> (Option<f32>, Vec<(S
     let colors = maker.floats(&[[0.5, 0.5, 0.5, vertex]; 3]);
     maker.attribute("COLOR_0", colors);
     let scene = maker.scene();
-    let left_out = left_out(&scene).into_iter().map(|(name, count)| (name.to_owned(), count));
+    let left_out = left_out(&scene)
+        .into_iter()
+        .map(|(name, count)| (name.to_owned(), count));
     (scene.objects[0].material.alpha_cutoff, left_out.collect())
 }
 
@@ -143,10 +183,14 @@ fn what_is_blended_is_cut_where_anything_is_less_than_opaque() {
     assert_eq!(cut("BLEND", 1.0, 255, 0.9), (Some(0.5), told()));
     let mut maker = triangle();
     maker.material(json!({"alphaMode": "DITHER"}));
-    assert!(maker.refusal().contains("its alphaMode is `DITHER`"), "{}", maker.refusal());
+    assert!(
+        maker.refusal().contains("its alphaMode is `DITHER`"),
+        "{}",
+        maker.refusal()
+    );
 }
 
-/// Greys with opacity, 16 bits, palettes with a transparent entry, rows in any order: all have their opacity.
+/// Greys with opacity, and 16 bits a channel.
 #[test]
 fn pictures_of_all_kinds_keep_their_opacity() {
     use image::{DynamicImage, ImageBuffer, ImageFormat, LumaA, Rgba};
@@ -156,7 +200,11 @@ fn pictures_of_all_kinds_keep_their_opacity() {
             [100, 100, 100, 51],
         ),
         (
-            DynamicImage::ImageRgba16(ImageBuffer::from_pixel(1, 1, Rgba([65535, 0, 257, 257 * 51]))),
+            DynamicImage::ImageRgba16(ImageBuffer::from_pixel(
+                1,
+                1,
+                Rgba([65535, 0, 257, 257 * 51]),
+            )),
             [255, 0, 1, 51],
         ),
         (
@@ -166,13 +214,19 @@ fn pictures_of_all_kinds_keep_their_opacity() {
     ];
     for (picture, expected) in pictures {
         let mut bytes = std::io::Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, ImageFormat::Png).expect("encoded");
+        picture
+            .write_to(&mut bytes, ImageFormat::Png)
+            .expect("encoded");
         let mut maker = textured(&json!({}));
         let view = maker.view(bytes.get_ref());
         // A media type that is not the picture's is no hindrance.
         maker.json["images"][0] = json!({"bufferView": view, "mimeType": "image/jpeg"});
         let scene = maker.scene();
-        let texture = scene.objects[0].material.base_color_texture.as_ref().expect("a texture");
+        let texture = scene.objects[0]
+            .material
+            .base_color_texture
+            .as_ref()
+            .expect("a texture");
         assert_eq!(texture.image.levels[0].rgba, [expected]);
     }
 }

@@ -34,7 +34,10 @@ pub(crate) fn triangle() -> Maker {
         bytes: Vec::new(),
     };
     let positions = maker.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    maker.push("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
+    maker.push(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": positions}}]}),
+    );
     maker
 }
 
@@ -58,7 +61,13 @@ impl Maker {
     }
 
     /// Adds `count` elements of a type such as `VEC3`; the accessor's place.
-    pub(crate) fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
+    pub(crate) fn accessor(
+        &mut self,
+        kind: &str,
+        component: u32,
+        count: usize,
+        bytes: &[u8],
+    ) -> usize {
         let view = self.view(bytes);
         let accessor =
             json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
@@ -66,7 +75,11 @@ impl Maker {
     }
 
     pub(crate) fn floats<const N: usize>(&mut self, vectors: &[[f32; N]]) -> usize {
-        let bytes: Vec<u8> = vectors.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let bytes: Vec<u8> = vectors
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
         let kind = match N {
             1 => "SCALAR",
             2 => "VEC2",
@@ -91,7 +104,10 @@ impl Maker {
     /// Adds a texture of the given picture; its place.
     pub(crate) fn texture(&mut self, picture: &image::RgbaImage) -> usize {
         let view = self.view(&png(picture));
-        let image = self.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
+        let image = self.push(
+            "images",
+            json!({"bufferView": view, "mimeType": "image/png"}),
+        );
         let sampler = self.push("samplers", json!({"magFilter": 9728}));
         self.push("textures", json!({"source": image, "sampler": sampler}))
     }
@@ -157,7 +173,9 @@ pub(crate) fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
 
 pub(crate) fn png(picture: &image::RgbaImage) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).expect("encoded");
+    picture
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("encoded");
     bytes.into_inner()
 }
 
@@ -173,12 +191,19 @@ pub(crate) fn corners(scene: &Scene, object: usize) -> Vec<DVec3> {
 
 /// The names of what was left out, with how often.
 pub(crate) fn left_out(scene: &Scene) -> Vec<(&str, usize)> {
-    scene.left_out.iter().map(|left| (left.feature.as_str(), left.places)).collect()
+    scene
+        .left_out
+        .iter()
+        .map(|left| (left.feature.as_str(), left.places))
+        .collect()
 }
 
 pub(crate) fn assert_near(found: &[DVec3], expected: &[[f64; 3]]) {
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for (found, expected) in found.iter().zip(expected) {
-        assert!(found.abs_diff_eq(DVec3::from(*expected), 1e-6), "{found} is not {expected:?}");
+        assert!(
+            found.abs_diff_eq(DVec3::from(*expected), 1e-6),
+            "{found} is not {expected:?}"
+        );
     }
 }

@@ -31,19 +31,36 @@ fn instances_stand_within_their_node() {
     for (object, expected) in expected.iter().enumerate() {
         assert_near(&corners(&scene, object), expected);
         // One mesh, drawn as instances.
-        assert!(Arc::ptr_eq(&scene.objects[object].mesh, &scene.objects[0].mesh));
-        assert!(Arc::ptr_eq(&scene.objects[object].material, &scene.objects[0].material));
+        assert!(Arc::ptr_eq(
+            &scene.objects[object].mesh,
+            &scene.objects[0].mesh
+        ));
+        assert!(Arc::ptr_eq(
+            &scene.objects[object].material,
+            &scene.objects[0].material
+        ));
     }
     assert_eq!(left_out(&scene), []);
 
     let short = maker.floats(&[[0.0; 3]; 2]);
     let extension = &mut maker.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
     extension["attributes"]["SCALE"] = json!(short);
-    assert!(maker.refusal().contains("3 and 2 elements"), "{}", maker.refusal());
-    let many = maker.push("accessors", json!({"componentType": 5126, "count": 2_000_000, "type": "VEC3"}));
+    assert!(
+        maker.refusal().contains("3 and 2 elements"),
+        "{}",
+        maker.refusal()
+    );
+    let many = maker.push(
+        "accessors",
+        json!({"componentType": 5126, "count": 2_000_000, "type": "VEC3"}),
+    );
     let extension = &mut maker.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
     extension["attributes"] = json!({"TRANSLATION": many});
-    assert!(maker.refusal().contains("more than 1048576"), "{}", maker.refusal());
+    assert!(
+        maker.refusal().contains("more than 1048576"),
+        "{}",
+        maker.refusal()
+    );
 }
 
 /// A triangle with two morph targets: one lifts the third vertex, one turns all normals.
@@ -53,7 +70,10 @@ fn morphed() -> Maker {
     maker.attribute("NORMAL", normals);
     let lift = maker.floats(&[[0.0; 3], [0.0; 3], [0.0, 4.0, 0.0]]);
     // Of what a target does not move, nothing is stored.
-    let (indices, values) = (maker.view(&[1]), maker.view(&[1.0_f32, 0.0, 0.0].map(f32::to_le_bytes).concat()));
+    let (indices, values) = (
+        maker.view(&[1]),
+        maker.view(&[1.0_f32, 0.0, 0.0].map(f32::to_le_bytes).concat()),
+    );
     let slide = maker.push("accessors", json!({"componentType": 5126, "count": 3, "type": "VEC3", "sparse":
         {"count": 1, "indices": {"bufferView": indices, "componentType": U8}, "values": {"bufferView": values}}}));
     let turn = maker.floats(&[[2.0, 0.0, 0.0]; 3]);
@@ -77,7 +97,10 @@ fn morph_targets_are_taken_as_far_as_the_mesh_or_its_node_says() {
     maker.json["meshes"][0]["weights"] = json!([0.25, 0.5]);
     let (found, normal) = shape(&maker);
     assert_near(&found, &[[0.0; 3], [1.5, 0.0, 0.0], [0.0, 2.0, 0.0]]);
-    assert!(normal.abs_diff_eq(Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2), 1e-6), "{normal}");
+    assert!(
+        normal.abs_diff_eq(Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2), 1e-6),
+        "{normal}"
+    );
     maker.json["nodes"][0]["weights"] = json!([-1, 0]);
     let (found, normal) = shape(&maker);
     assert_near(&found, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, -3.0, 0.0]]);
@@ -86,12 +109,18 @@ fn morph_targets_are_taken_as_far_as_the_mesh_or_its_node_says() {
     // Two nodes of one mesh, each in its pose; two in the same share it.
     for weights in [json!([1, 0]), json!([1, 0])] {
         let node = maker.push("nodes", json!({"mesh": 0, "weights": weights}));
-        maker.json["scenes"][0]["nodes"].as_array_mut().expect("a list").push(json!(node));
+        maker.json["scenes"][0]["nodes"]
+            .as_array_mut()
+            .expect("a list")
+            .push(json!(node));
     }
     let scene = maker.scene();
     assert!(!Arc::ptr_eq(&scene.objects[0].mesh, &scene.objects[1].mesh));
     assert!(Arc::ptr_eq(&scene.objects[1].mesh, &scene.objects[2].mesh));
-    assert_near(&corners(&scene, 1), &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0]]);
+    assert_near(
+        &corners(&scene, 1),
+        &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0]],
+    );
 }
 
 #[test]
@@ -99,8 +128,10 @@ fn morph_targets_move_texture_coordinates_and_colours_too() {
     let mut maker = triangle();
     let uvs = maker.floats(&[[0.0_f32, 0.0]; 3]);
     let colors = maker.floats(&[[0.0_f32, 0.0, 0.0, 0.5]; 3]);
-    let (uv_offsets, color_offsets) =
-        (maker.floats(&[[0.5_f32, 1.0]; 3]), maker.floats(&[[1.0_f32, 0.0, 0.0, 4.0]; 3]));
+    let (uv_offsets, color_offsets) = (
+        maker.floats(&[[0.5_f32, 1.0]; 3]),
+        maker.floats(&[[1.0_f32, 0.0, 0.0, 4.0]; 3]),
+    );
     maker.attribute("TEXCOORD_0", uvs);
     maker.attribute("COLOR_0", colors);
     maker.json["meshes"][0]["primitives"][0]["targets"] =
@@ -120,15 +151,22 @@ fn skinned(share: [u8; 2]) -> Maker {
     maker.attribute("NORMAL", normals);
     let joints = maker.accessor("VEC4", U8, 3, &[0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);
     let [first, second] = share;
-    let weights =
-        maker.accessor("VEC4", U8, 3, &[255, 0, 0, 0, 255, 0, 0, 0, first, second, 0, 0]);
+    let weights = maker.accessor(
+        "VEC4",
+        U8,
+        3,
+        &[255, 0, 0, 0, 255, 0, 0, 0, first, second, 0, 0],
+    );
     maker.json["accessors"][weights]["normalized"] = json!(true);
     maker.attribute("JOINTS_0", joints);
     maker.attribute("WEIGHTS_0", weights);
     // The joints stand at the origin and a metre above it; the second is turned by a quarter about z.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     maker.push("nodes", json!({"children": [2]}));
-    maker.push("nodes", json!({"translation": [0, 1, 0], "rotation": [0, 0, half, half]}));
+    maker.push(
+        "nodes",
+        json!({"translation": [0, 1, 0], "rotation": [0, 0, half, half]}),
+    );
     let mut inverses = [[0.0; 16]; 2];
     for inverse in &mut inverses {
         for axis in 0..4 {
@@ -137,7 +175,10 @@ fn skinned(share: [u8; 2]) -> Maker {
     }
     inverses[1][13] = -1.0;
     let inverses = maker.floats(&inverses);
-    maker.push("skins", json!({"joints": [1, 2], "inverseBindMatrices": inverses, "skeleton": 1}));
+    maker.push(
+        "skins",
+        json!({"joints": [1, 2], "inverseBindMatrices": inverses, "skeleton": 1}),
+    );
     maker.json["nodes"][0]["skin"] = json!(0);
     // By the specification the mesh's own node has no say.
     maker.json["nodes"][0]["translation"] = json!([500, 500, 500]);
@@ -156,21 +197,36 @@ fn skins_bend_meshes_to_their_joints() {
     // The joint goes a metre along z: the vertex follows, or by its share.
     let mut maker = skinned([0, 255]);
     maker.json["nodes"][2]["translation"] = json!([0, 1, 1]);
-    assert_near(&corners(&maker.scene(), 0), &[bind[0], bind[1], [0.0, 1.0, 1.0]]);
+    assert_near(
+        &corners(&maker.scene(), 0),
+        &[bind[0], bind[1], [0.0, 1.0, 1.0]],
+    );
     let mut maker = skinned([51, 204]);
     maker.json["nodes"][2]["translation"] = json!([0, 1, 1]);
-    assert_near(&corners(&maker.scene(), 0), &[bind[0], bind[1], [0.0, 1.0, 0.8]]);
+    assert_near(
+        &corners(&maker.scene(), 0),
+        &[bind[0], bind[1], [0.0, 1.0, 0.8]],
+    );
     // Weights that do not add up to 1 mean their shares; none at all, the first joint.
     let mut maker = skinned([20, 80]);
     maker.json["nodes"][2]["translation"] = json!([0, 1, 1]);
-    assert_near(&corners(&maker.scene(), 0), &[bind[0], bind[1], [0.0, 1.0, 0.8]]);
+    assert_near(
+        &corners(&maker.scene(), 0),
+        &[bind[0], bind[1], [0.0, 1.0, 0.8]],
+    );
     let mut maker = skinned([0, 0]);
     maker.json["nodes"][2]["translation"] = json!([0, 1, 1]);
     assert_near(&corners(&maker.scene(), 0), &bind);
     // Without inverse matrices the mesh hangs on its joints as it is: (0 1 0), turned, is (−1 0 0).
     let mut maker = skinned([0, 255]);
-    maker.json["skins"][0].as_object_mut().expect("members").remove("inverseBindMatrices");
-    assert_near(&corners(&maker.scene(), 0), &[bind[0], bind[1], [-1.0, 1.0, 0.0]]);
+    maker.json["skins"][0]
+        .as_object_mut()
+        .expect("members")
+        .remove("inverseBindMatrices");
+    assert_near(
+        &corners(&maker.scene(), 0),
+        &[bind[0], bind[1], [-1.0, 1.0, 0.0]],
+    );
     // All joints turned: normals turn with them.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let mut maker = skinned([255, 0]);
@@ -191,7 +247,10 @@ fn a_skin_far_out_keeps_its_shape() {
     let mut maker = skinned([255, 0]);
     maker.json["nodes"][1]["translation"] = json!([1e8, 0, 0]);
     let found = corners(&maker.scene(), 0);
-    assert_near(&found, &[[1e8, 0.0, 0.0], [1e8 + 1.0, 0.0, 0.0], [1e8, 1.0, 0.0]]);
+    assert_near(
+        &found,
+        &[[1e8, 0.0, 0.0], [1e8 + 1.0, 0.0, 0.0], [1e8, 1.0, 0.0]],
+    );
 }
 
 #[test]
@@ -204,7 +263,12 @@ fn joints_may_stand_beside_the_scene_and_vertices_hang_on_many() {
     assert_near(&corners(&maker.scene(), 0), &expected);
     // A second set holds with half of all.
     let mut maker = skinned([0, 255]);
-    let joints = maker.accessor("VEC4", U16, 3, &[[0_u8; 8], [0; 8], [0, 0, 0, 0, 0, 0, 0, 0]].concat());
+    let joints = maker.accessor(
+        "VEC4",
+        U16,
+        3,
+        &[[0_u8; 8], [0; 8], [0, 0, 0, 0, 0, 0, 0, 0]].concat(),
+    );
     let weights = maker.floats(&[[0.0; 4], [0.0; 4], [1.0, 0.0, 0.0, 0.0]]);
     maker.attribute("JOINTS_1", joints);
     maker.attribute("WEIGHTS_1", weights);
@@ -225,10 +289,16 @@ fn skins_that_hold_nothing_are_refused() {
     let gone = said(&|maker| maker.json["skins"][0]["joints"] = json!([1, 55]));
     assert!(gone.contains("skins[0]: it names nodes[55]"), "{gone}");
     let more = said(&|maker| maker.json["skins"][0]["joints"] = json!([1, 2, 2]));
-    assert!(more.contains("2 inverse bind matrices for 3 joints"), "{more}");
+    assert!(
+        more.contains("2 inverse bind matrices for 3 joints"),
+        "{more}"
+    );
     let free = said(&|maker| {
         let attributes = &mut maker.json["meshes"][0]["primitives"][0]["attributes"];
-        attributes.as_object_mut().expect("members").remove("JOINTS_0");
+        attributes
+            .as_object_mut()
+            .expect("members")
+            .remove("JOINTS_0");
     });
     assert!(free.contains("has no JOINTS_0"), "{free}");
     let signed = said(&|maker| {
@@ -256,7 +326,11 @@ fn what_is_hidden_casts_no_shadow() {
     ]);
     maker.json["scenes"][0]["nodes"] = json!([0, 3]);
     let scene = maker.scene();
-    let names: Vec<_> = scene.objects.iter().map(|object| object.name.as_str()).collect();
+    let names: Vec<_> = scene
+        .objects
+        .iter()
+        .map(|object| object.name.as_str())
+        .collect();
     assert_eq!(names, ["seen", "by default", "ground"]);
     assert_eq!(left_out(&scene), []);
 }

@@ -20,19 +20,35 @@ fn what_nothing_reads_is_not_looked_at() {
         "accessors",
         json!({"bufferView": 77, "componentType": 5124, "count": 9e9, "type": "HALF3"}),
     );
-    for name in ["_FEATURE_ID_0", "TANGENT", "TEXCOORD_0", "TEXCOORD_7", "JOINTS_0", "MADE_UP"] {
+    for name in [
+        "_FEATURE_ID_0",
+        "TANGENT",
+        "TEXCOORD_0",
+        "TEXCOORD_7",
+        "JOINTS_0",
+        "MADE_UP",
+    ] {
         maker.attribute(name, own);
     }
     maker.json["meshes"][0]["extras"] = json!({"extensions": {"KHR_own": 1}, "targetNames": ["a"]});
     maker.json["nodes"][0]["extras"] = json!([1, {"x": null}]);
     maker.json["extras"] = json!("text");
-    maker.push("nodes", json!({"mesh": 99, "children": [98], "rotation": "none"}));
+    maker.push(
+        "nodes",
+        json!({"mesh": 99, "children": [98], "rotation": "none"}),
+    );
     maker.push("cameras", json!({"type": "fisheye"}));
     maker.push("skins", json!({}));
     maker.push("images", json!({"uri": "gone.png"}));
     maker.push("textures", json!({"source": 44}));
-    maker.push("materials", json!({"pbrMetallicRoughness": {"metallicFactor": -7}}));
-    maker.push("meshes", json!({"primitives": [{"attributes": {"POSITION": own}}]}));
+    maker.push(
+        "materials",
+        json!({"pbrMetallicRoughness": {"metallicFactor": -7}}),
+    );
+    maker.push(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": own}}]}),
+    );
     maker.push("samplers", json!({"wrapS": 1}));
     let scene = maker.scene();
     assert_near(&corners(&scene, 0), &TRIANGLE);
@@ -43,7 +59,10 @@ fn what_nothing_reads_is_not_looked_at() {
 fn pictures_that_nothing_draws_may_be_missing() {
     let mut maker = triangle();
     let gone = maker.push("images", json!({"uri": "normals.png"}));
-    let web = maker.push("images", json!({"uri": "color.webp", "mimeType": "image/webp"}));
+    let web = maker.push(
+        "images",
+        json!({"uri": "color.webp", "mimeType": "image/webp"}),
+    );
     let red = image::RgbaImage::from_pixel(1, 1, image::Rgba([255, 0, 0, 255]));
     let color = maker.texture(&red);
     maker.json["textures"][color]["extensions"] = json!({"EXT_texture_webp": {"source": web}});
@@ -56,23 +75,44 @@ fn pictures_that_nothing_draws_may_be_missing() {
     let uvs = maker.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
     maker.attribute("TEXCOORD_0", uvs);
     let scene = maker.scene();
-    let texture = scene.objects[0].material.base_color_texture.as_ref().expect("a texture");
+    let texture = scene.objects[0]
+        .material
+        .base_color_texture
+        .as_ref()
+        .expect("a texture");
     assert_eq!(texture.image.levels[0].rgba, [[255, 0, 0, 255]]);
-    assert_eq!(left_out(&scene), [("EXT_texture_webp", 1), ("normalTexture", 1)]);
+    assert_eq!(
+        left_out(&scene),
+        [("EXT_texture_webp", 1), ("normalTexture", 1)]
+    );
 
     // A texture may have no picture, and then colours nothing.
     maker.json["textures"][color] = json!({});
     let scene = maker.scene();
     assert_eq!(scene.objects[0].material.base_color_texture, None);
-    let expected = [("EXT_texture_webp", 1), ("normalTexture", 1), ("textures without a source", 1)];
+    let expected = [
+        ("EXT_texture_webp", 1),
+        ("normalTexture", 1),
+        ("textures without a source", 1),
+    ];
     assert_eq!(left_out(&scene), expected);
     // What is drawn must be there.
     maker.json["textures"][color] = json!({"source": gone});
-    assert!(maker.refusal().contains("normals.png"), "{}", maker.refusal());
+    assert!(
+        maker.refusal().contains("normals.png"),
+        "{}",
+        maker.refusal()
+    );
 }
 
 /// An accessor that says of elements 1 and 2 what `values` are.
-fn sparse(maker: &mut Maker, kind: &str, component: u32, base: Option<usize>, values: &[u8]) -> usize {
+fn sparse(
+    maker: &mut Maker,
+    kind: &str,
+    component: u32,
+    base: Option<usize>,
+    values: &[u8],
+) -> usize {
     let indices = maker.view(&[1, 2]);
     let values = maker.view(values);
     let mut accessor = json!({
@@ -113,7 +153,13 @@ fn sparse_accessors_change_elements_of_a_view_or_of_zeros() {
         assert_near(&corners(&maker.scene(), 0), &expected);
     }
     let mut maker = triangle();
-    let uvs = sparse(&mut maker, "VEC2", F32, None, &bytes_of(&[1.0, 0.0, 0.25, 1.0]));
+    let uvs = sparse(
+        &mut maker,
+        "VEC2",
+        F32,
+        None,
+        &bytes_of(&[1.0, 0.0, 0.25, 1.0]),
+    );
     maker.attribute("TEXCOORD_0", uvs);
     let texture = maker.texture(&image::RgbaImage::new(1, 1));
     maker.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
@@ -128,9 +174,15 @@ fn sparse_accessors_change_elements_of_a_view_or_of_zeros() {
         maker.refusal()
     };
     let said = sparse(&|accessor| accessor["count"] = json!(2));
-    assert!(said.contains("accessors[1]: its sparse element 2 is beyond its 2"), "{said}");
+    assert!(
+        said.contains("accessors[1]: its sparse element 2 is beyond its 2"),
+        "{said}"
+    );
     let said = sparse(&|accessor| accessor["sparse"]["count"] = json!(3));
-    assert!(said.contains("accessors[1]: 3 elements of 1 bytes"), "{said}");
+    assert!(
+        said.contains("accessors[1]: 3 elements of 1 bytes"),
+        "{said}"
+    );
     let said = sparse(&|accessor| accessor["sparse"]["indices"]["componentType"] = json!(F32));
     assert!(said.contains("sparse indices"), "{said}");
 }
@@ -138,12 +190,18 @@ fn sparse_accessors_change_elements_of_a_view_or_of_zeros() {
 #[test]
 fn accessors_without_a_view_are_zeros() {
     let mut maker = triangle();
-    let zeros = maker.push("accessors", json!({"componentType": F32, "count": 3.0, "type": "VEC3"}));
+    let zeros = maker.push(
+        "accessors",
+        json!({"componentType": F32, "count": 3.0, "type": "VEC3"}),
+    );
     maker.attribute("NORMAL", zeros);
     assert_eq!(maker.scene().objects[0].mesh.normals, [Vec3::ZERO; 3]);
     maker.json["accessors"][zeros]["count"] = json!(u64::MAX);
     let said = maker.refusal();
-    assert!(said.contains("elements without data are more than 16777216"), "{said}");
+    assert!(
+        said.contains("elements without data are more than 16777216"),
+        "{said}"
+    );
 }
 
 /// The triangle with positions of another type, twice as large as what is stored.
@@ -168,11 +226,15 @@ fn quantized(component: u32, is_normalized: bool, bytes: &[u8]) -> Vec<DVec3> {
 fn positions_may_be_small_whole_numbers() {
     // Three vertices of three numbers and a pad: (0 0 0), (most 0 0), (0 least 1).
     let unsigned = |most: f64| [[0.0; 3], [2.0 * most, 0.0, 0.0], [0.0, 0.0, 2.0]];
-    let signed = |most: f64, least: f64| [[0.0; 3], [2.0 * most, 0.0, 0.0], [0.0, 2.0 * least, 2.0]];
+    let signed =
+        |most: f64, least: f64| [[0.0; 3], [2.0 * most, 0.0, 0.0], [0.0, 2.0 * least, 2.0]];
     let u8s = [0, 0, 0, 0, 255, 0, 0, 0, 0, 0, 1, 0];
     let i8s = [0, 0, 0, 0, 127, 0, 0, 0, 0, 128, 1, 0];
     let wide = |narrow: [i32; 12]| -> Vec<u8> {
-        narrow.iter().flat_map(|x| (*x as u16).to_le_bytes()).collect()
+        narrow
+            .iter()
+            .flat_map(|x| (*x as u16).to_le_bytes())
+            .collect()
     };
     let u16s = wide([0, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 1, 0]);
     let i16s = wide([0, 0, 0, 0, 32767, 0, 0, 0, 0, -32768, 1, 0]);
@@ -188,7 +250,10 @@ fn positions_may_be_small_whole_numbers() {
     assert_near(&quantized(U8, true, &u8s), &share(unsigned(1.0), 255.0));
     assert_near(&quantized(I8, true, &i8s), &share(signed(1.0, -1.0), 127.0));
     assert_near(&quantized(U16, true, &u16s), &share(unsigned(1.0), 65535.0));
-    assert_near(&quantized(I16, true, &i16s), &share(signed(1.0, -1.0), 32767.0));
+    assert_near(
+        &quantized(I16, true, &i16s),
+        &share(signed(1.0, -1.0), 32767.0),
+    );
 }
 
 #[test]
@@ -207,14 +272,21 @@ fn normals_and_texture_coordinates_may_be_small_whole_numbers() {
     for (normal, expected) in mesh.normals.iter().zip(expected) {
         assert!(normal.abs_diff_eq(expected, 1e-6), "{normal}");
     }
-    let expected = [Vec2::new(0.0, 4.0), Vec2::new(257.0, 0.0), Vec2::new(65535.0, 0.0)];
+    let expected = [
+        Vec2::new(0.0, 4.0),
+        Vec2::new(257.0, 0.0),
+        Vec2::new(65535.0, 0.0),
+    ];
     assert_eq!(mesh.uvs, expected);
     let said = {
         maker.json["accessors"][uvs]["componentType"] = json!(U32);
         maker.json["accessors"][uvs]["count"] = json!(1);
         maker.refusal()
     };
-    assert!(said.contains("components of type 5125 are not known"), "{said}");
+    assert!(
+        said.contains("components of type 5125 are not known"),
+        "{said}"
+    );
 }
 
 /// The reader of another make reads the same of random data.
@@ -228,12 +300,15 @@ fn accessors_read_as_the_gltf_crate_reads_them() {
     for round in 0..20 {
         let mut maker = triangle();
         let count = 3 + round;
-        let positions: Vec<[f32; 3]> =
-            (0..count).map(|_| std::array::from_fn(|_| random() as f32 / 1e6 - 8.0)).collect();
+        let positions: Vec<[f32; 3]> = (0..count)
+            .map(|_| std::array::from_fn(|_| random() as f32 / 1e6 - 8.0))
+            .collect();
         let positions = maker.floats(&positions);
         let (indices, values) = (
             maker.view(&[0, 2]),
-            maker.view(&bytes_of(&std::array::from_fn::<_, 6, _>(|_| random() as f32))),
+            maker.view(&bytes_of(&std::array::from_fn::<_, 6, _>(|_| {
+                random() as f32
+            }))),
         );
         maker.json["accessors"][positions]["sparse"] = json!({
             "count": 2,
@@ -249,7 +324,9 @@ fn accessors_read_as_the_gltf_crate_reads_them() {
         let uvs = maker.accessor("VEC2", U16, count, &uvs);
         maker.json["accessors"][uvs]["normalized"] = json!(true);
         maker.attribute("TEXCOORD_0", uvs);
-        let indices: Vec<u8> = (0..3 * count).map(|_| (random() as usize % count) as u8).collect();
+        let indices: Vec<u8> = (0..3 * count)
+            .map(|_| (random() as usize % count) as u8)
+            .collect();
         let indices = maker.accessor("SCALAR", U8, 3 * count, &indices);
         maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         let texture = maker.texture(&image::RgbaImage::new(1, 1));
@@ -263,7 +340,11 @@ fn accessors_read_as_the_gltf_crate_reads_them() {
         let positions: Vec<_> = reader.read_positions().expect("positions").collect();
         let colors = reader.read_colors(0).expect("colours").into_rgba_f32();
         let colors: Vec<_> = colors.collect();
-        let uvs: Vec<_> = reader.read_tex_coords(0).expect("coordinates").into_f32().collect();
+        let uvs: Vec<_> = reader
+            .read_tex_coords(0)
+            .expect("coordinates")
+            .into_f32()
+            .collect();
         let indices = reader.read_indices().expect("indices").into_u32();
         let scene = maker.scene();
         let mesh = &scene.objects[0].mesh;
@@ -298,15 +379,25 @@ fn data_uris_of_all_kinds_are_read() {
     let mut maker = triangle();
     let standard = {
         let text: serde_json::Value = serde_json::from_str(&maker.text()).expect("JSON");
-        let uri = text["buffers"][0]["uri"].as_str().expect("a URI").to_owned();
+        let uri = text["buffers"][0]["uri"]
+            .as_str()
+            .expect("a URI")
+            .to_owned();
         uri.split_once(',').expect("a comma").1.to_owned()
     };
-    let percent: String = maker.bytes.iter().map(|byte| format!("%{byte:02X}")).collect();
+    let percent: String = maker
+        .bytes
+        .iter()
+        .map(|byte| format!("%{byte:02X}"))
+        .collect();
     let broken_up = standard.replace('A', "A\n ").replace('=', "%3d");
     for uri in [
         format!("data:;base64,{standard}"),
         format!("DATA:application/gltf-buffer;BASE64,{standard}"),
-        format!("data:text/plain;charset=utf-8;base64,{}", standard.trim_end_matches('=')),
+        format!(
+            "data:text/plain;charset=utf-8;base64,{}",
+            standard.trim_end_matches('=')
+        ),
         format!("data:application/octet-stream;base64,{broken_up}"),
         format!("data:application/octet-stream,{percent}"),
     ] {
@@ -382,12 +473,17 @@ fn files_may_be_larger_than_they_say() {
     ]);
     assert_near(&corners(&load(&chunks), 0), &TRIANGLE);
     for (bytes, expected) in [
-        (glb(&[(b"BIN\0", b"1234")]), "its first chunk is not its JSON"),
+        (
+            glb(&[(b"BIN\0", b"1234")]),
+            "its first chunk is not its JSON",
+        ),
         (glb(&[]), "it has no JSON"),
         (glb(&[(b"JSON", b"{}")]), "asset.version"),
         (b"glTF\x01\0\0\0\x0c\0\0\0".to_vec(), "it is glTF 1"),
     ] {
-        let said = load_in(folder.path(), "model.glb", &bytes).expect_err("refused").to_string();
+        let said = load_in(folder.path(), "model.glb", &bytes)
+            .expect_err("refused")
+            .to_string();
         assert!(said.contains(expected), "{said}");
     }
 }
@@ -404,18 +500,30 @@ fn scenes_are_chosen_as_the_file_says() {
     assert_eq!(x(&maker), 10.0);
     maker.json["scene"] = json!(2);
     let said = maker.refusal();
-    assert!(said.contains("scene: it names scenes[2], but there are 2"), "{said}");
+    assert!(
+        said.contains("scene: it names scenes[2], but there are 2"),
+        "{said}"
+    );
     // Without a default, the first; without scenes, all nodes.
     maker.json.as_object_mut().expect("members").remove("scene");
     assert_eq!(x(&maker), 0.0);
-    maker.json.as_object_mut().expect("members").remove("scenes");
+    maker
+        .json
+        .as_object_mut()
+        .expect("members")
+        .remove("scenes");
     assert_eq!(maker.scene().objects.len(), 3, "two and a ground");
 }
 
 #[test]
 fn vertices_that_no_triangle_has_are_no_part_of_a_mesh() {
     let mut maker = triangle();
-    let far = [[0.0, 0.0, 0.0], [9e9, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let far = [
+        [0.0, 0.0, 0.0],
+        [9e9, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
     let positions = maker.floats(&far);
     let normals = maker.floats(&[[0.0, 0.0, 1.0]; 4]);
     let indices = maker.accessor("SCALAR", U8, 3, &[0, 2, 3]);
@@ -449,5 +557,9 @@ fn files_that_need_what_is_not_known_are_refused_by_its_name() {
     maker.json["asset"] = json!({"version": "2.0", "minVersion": "2.1"});
     assert!(maker.refusal().contains("glTF 2.1"), "{}", maker.refusal());
     maker.json["asset"] = json!({"version": "1.0"});
-    assert!(maker.refusal().contains("it is glTF 1.0"), "{}", maker.refusal());
+    assert!(
+        maker.refusal().contains("it is glTF 1.0"),
+        "{}",
+        maker.refusal()
+    );
 }

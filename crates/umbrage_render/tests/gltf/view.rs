@@ -14,7 +14,8 @@ use crate::maker::{Maker, assert_near, left_out, load_in, triangle};
 fn with_node(extra: &Value) -> Maker {
     let mut maker = triangle();
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let mut node = json!({"translation": [1, 2, 3], "rotation": [-half, 0, 0, half], "scale": [3, 3, 3]});
+    let mut node =
+        json!({"translation": [1, 2, 3], "rotation": [-half, 0, 0, half], "scale": [3, 3, 3]});
     for (name, value) in extra.as_object().expect("members") {
         node[name] = value.clone();
     }
@@ -34,20 +35,29 @@ fn light(light: &Value) -> SceneLight {
     let scene = with_light(light).scene();
     assert_eq!(left_out(&scene), []);
     assert_eq!(scene.lights.len(), 1, "no sun beside it");
-    assert_eq!(scene.lights[0].shadow.as_ref().expect("a shadow").method, "basic");
+    assert_eq!(
+        scene.lights[0].shadow.as_ref().expect("a shadow").method,
+        "basic"
+    );
     scene.lights[0].clone()
 }
 
 #[test]
 fn lights_of_a_bare_model_stand_in_the_place_of_the_made_up_sun() {
-    let sun = light(&json!({"type": "directional", "name": "noon", "color": [1, 0.5, 0.25], "intensity": 90000}));
+    let sun = light(
+        &json!({"type": "directional", "name": "noon", "color": [1, 0.5, 0.25], "intensity": 90000}),
+    );
     let LightKind::Directional { direction } = sun.light.kind else {
         panic!("{sun:?}")
     };
     assert_near(&[direction], &[[0.0, -1.0, 0.0]]);
     assert_eq!(sun.name, "noon");
     // Exposed, whatever its lux: the made-up sun gives 3.
-    assert!(sun.light.color.abs_diff_eq(Vec3::new(3.0, 1.5, 0.75), 1e-5), "{}", sun.light.color);
+    assert!(
+        sun.light.color.abs_diff_eq(Vec3::new(3.0, 1.5, 0.75), 1e-5),
+        "{}",
+        sun.light.color
+    );
 
     let spot = light(&json!({"type": "spot", "intensity": 5, "range": 7.5,
         "spot": {"innerConeAngle": 0.2, "outerConeAngle": 1.25}}));
@@ -60,7 +70,13 @@ fn lights_of_a_bare_model_stand_in_the_place_of_the_made_up_sun() {
     };
     assert_eq!(spot.light.kind, expected);
     let defaults = light(&json!({"type": "spot"}));
-    let LightKind::Spot { inner_angle, outer_angle, range, .. } = defaults.light.kind else {
+    let LightKind::Spot {
+        inner_angle,
+        outer_angle,
+        range,
+        ..
+    } = defaults.light.kind
+    else {
         panic!("{defaults:?}")
     };
     assert_eq!((inner_angle, outer_angle), (0.0, PI / 4.0));
@@ -76,20 +92,38 @@ fn lights_of_a_bare_model_stand_in_the_place_of_the_made_up_sun() {
     let distance = position.distance(DVec3::new(1.0, 1.0, 0.0) / 3.0);
     let window = 1.0 - (distance / 100.0_f64).powi(4);
     let intensity = 3.0 * distance.powi(2) / window;
-    assert!((f64::from(bulb.light.color.x) / intensity - 1.0).abs() < 1e-5, "{}", bulb.light.color);
+    assert!(
+        (f64::from(bulb.light.color.x) / intensity - 1.0).abs() < 1e-5,
+        "{}",
+        bulb.light.color
+    );
 }
 
 #[test]
 fn lights_keep_what_they_have_to_each_other() {
     let mut maker = with_light(&json!({"type": "directional", "intensity": 600}));
-    maker.push("nodes", json!({"extensions": {"KHR_lights_punctual": {"light": 1}}}));
+    maker.push(
+        "nodes",
+        json!({"extensions": {"KHR_lights_punctual": {"light": 1}}}),
+    );
     maker.push("nodes", json!({"extensions": {"KHR_lights_punctual": {"light": 0}, "KHR_node_visibility": {"visible": false}}}));
     maker.json["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
     let second = json!({"type": "directional", "intensity": 300});
-    maker.json["extensions"]["KHR_lights_punctual"]["lights"].as_array_mut().expect("a list").push(second);
-    let colors: Vec<_> = maker.scene().lights.iter().map(|light| light.light.color.x).collect();
+    maker.json["extensions"]["KHR_lights_punctual"]["lights"]
+        .as_array_mut()
+        .expect("a list")
+        .push(second);
+    let colors: Vec<_> = maker
+        .scene()
+        .lights
+        .iter()
+        .map(|light| light.light.color.x)
+        .collect();
     // The hidden one does not shine; both others give 3 together.
-    assert!((colors[0] - 2.0).abs() < 1e-5 && (colors[1] - 1.0).abs() < 1e-5, "{colors:?}");
+    assert!(
+        (colors[0] - 2.0).abs() < 1e-5 && (colors[1] - 1.0).abs() < 1e-5,
+        "{colors:?}"
+    );
     assert_eq!(colors.len(), 2);
 }
 
@@ -105,7 +139,11 @@ fn lights_that_cannot_shine_are_refused_or_told() {
     assert!(said(json!({"type": "point", "range": "far"})).contains(place));
     let mut gone = with_light(&json!({"type": "point"}));
     gone.json["extensions"] = json!({});
-    assert!(gone.refusal().contains("nodes[1]: it names"), "{}", gone.refusal());
+    assert!(
+        gone.refusal().contains("nodes[1]: it names"),
+        "{}",
+        gone.refusal()
+    );
 
     let wide = json!({"type": "spot", "spot": {"outerConeAngle": FRAC_PI_2}});
     let scene = with_light(&wide).scene();
@@ -117,7 +155,10 @@ fn lights_that_cannot_shine_are_refused_or_told() {
     let mut flat = with_light(&json!({"type": "directional"}));
     flat.json["nodes"][1]["scale"] = json!([0, 0, 0]);
     let scene = flat.scene();
-    assert_eq!(left_out(&scene), [("KHR_lights_punctual without a direction", 1)]);
+    assert_eq!(
+        left_out(&scene),
+        [("KHR_lights_punctual without a direction", 1)]
+    );
     assert_eq!(scene.lights[0].name, "sun");
 }
 
@@ -135,17 +176,29 @@ fn the_first_camera_of_a_bare_model_looks() {
     assert_eq!(left_out(&scene), []);
     let camera = &scene.camera;
     assert_near(
-        &[camera.position, camera.rotation * DVec3::NEG_Z, camera.rotation * DVec3::Y],
+        &[
+            camera.position,
+            camera.rotation * DVec3::NEG_Z,
+            camera.rotation * DVec3::Y,
+        ],
         &[[1.0, 2.0, 3.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
     );
     assert_eq!((fov(&scene), camera.near, camera.far), (0.7, 0.25, 90.0));
     // Without an end it sees all there is, the ground as well.
-    maker.json["cameras"][0] = json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.25}});
+    maker.json["cameras"][0] =
+        json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.25}});
     let scene = maker.scene();
     let corner = |bounds: umbrage_shadow::Aabb| {
-        (bounds.min - camera.position).abs().max((bounds.max - camera.position).abs()).length()
+        (bounds.min - camera.position)
+            .abs()
+            .max((bounds.max - camera.position).abs())
+            .length()
     };
-    let farthest = scene.objects.iter().map(|object| corner(object.bounds)).fold(0.0, f64::max);
+    let farthest = scene
+        .objects
+        .iter()
+        .map(|object| corner(object.bounds))
+        .fold(0.0, f64::max);
     assert!(scene.camera.far > farthest && scene.camera.far < 10.0 * farthest);
     // The lights are still the made-up sun.
     assert_eq!(scene.lights[0].name, "sun");
@@ -174,7 +227,11 @@ fn an_orthographic_camera_sees_twice_its_magnification() {
     assert_eq!((scene.camera.near, scene.camera.far), (0.0, 20.0));
     assert_near(&[scene.camera.rotation * DVec3::NEG_Z], &[[0.0, -1.0, 0.0]]);
     maker.json["cameras"][0]["orthographic"]["ymag"] = json!(0);
-    assert!(maker.refusal().contains("its ymag is 0"), "{}", maker.refusal());
+    assert!(
+        maker.refusal().contains("its ymag is 0"),
+        "{}",
+        maker.refusal()
+    );
 }
 
 #[test]
@@ -182,22 +239,26 @@ fn cameras_that_cannot_look_are_refused_or_told() {
     let said = |camera: Value| with_camera(&camera).refusal();
     assert!(said(json!({"type": "fisheye"})).contains("its type is `fisheye`"));
     assert!(said(json!({"type": "perspective"})).contains("does not say how"));
-    let lens = |yfov: f64, near: f64, far: f64| {
-        json!({"type": "perspective", "perspective": {"yfov": yfov, "znear": near, "zfar": far}})
-    };
+    let lens = |yfov: f64, near: f64, far: f64| json!({"type": "perspective", "perspective": {"yfov": yfov, "znear": near, "zfar": far}});
     assert!(said(lens(4.0, 1.0, 2.0)).contains("its yfov is 4"));
     assert!(said(lens(1.0, 0.0, 2.0)).contains("it sees from 0 to 2"));
     assert!(said(lens(1.0, 2.0, 2.0)).contains("it sees from 2 to 2"));
     let mut flat = with_camera(&lens(1.0, 1.0, 2.0));
     flat.json["nodes"][1]["scale"] = json!([0, 0, 0]);
-    assert_eq!(left_out(&flat.scene()), [("cameras without a direction", 1)]);
+    assert_eq!(
+        left_out(&flat.scene()),
+        [("cameras without a direction", 1)]
+    );
 }
 
 #[test]
 fn a_scene_file_has_its_own_lights_and_camera() {
     let folder = TempDir::new().expect("a folder");
     let mut maker = with_light(&json!({"type": "point"}));
-    maker.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.25}}));
+    maker.push(
+        "cameras",
+        json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.25}}),
+    );
     maker.json["nodes"][1]["camera"] = json!(0);
     let other = triangle();
     for (name, maker) in [("lit.gltf", &maker), ("plain.gltf", &other)] {
@@ -208,8 +269,11 @@ fn a_scene_file_has_its_own_lights_and_camera() {
     let scene = load_in(folder.path(), "scene.ron", text.as_bytes()).expect("a scene");
     assert!(scene.lights.is_empty() && scene.camera.position == DVec3::new(0.0, 1.0, 5.0));
     let told: Vec<_> = scene.left_out.iter().map(ToString::to_string).collect();
-    assert_eq!(told, [
-        "lit.gltf: KHR_lights_punctual (1 place): the scene file's lights shine",
-        "lit.gltf: cameras (1 place): the scene file's camera looks",
-    ]);
+    assert_eq!(
+        told,
+        [
+            "lit.gltf: KHR_lights_punctual (1 place): the scene file's lights shine",
+            "lit.gltf: cameras (1 place): the scene file's camera looks",
+        ]
+    );
 }

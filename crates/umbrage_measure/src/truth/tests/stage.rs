@@ -70,7 +70,8 @@ pub(crate) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> S
         camera,
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
-        medium: None, left_out: Vec::new(),
+        medium: None,
+        left_out: Vec::new(),
     }
 }
 

@@ -85,7 +85,11 @@ impl Component {
             (Self::F32, &[a, b, c, d]) => return f32::from_le_bytes([a, b, c, d]),
             _ => return 0.0,
         };
-        if normalized { (value / most).max(-1.0) } else { value }
+        if normalized {
+            (value / most).max(-1.0)
+        } else {
+            value
+        }
     }
 
     fn whole(self, bytes: &[u8]) -> u32 {
@@ -149,7 +153,10 @@ impl Document<'_> {
             };
             known.then(|| std::array::from_fn(|i| component.float(part(i), normalized)))
         })?;
-        match vectors.iter().position(|v: &[f32; N]| !v.iter().all(|x| x.is_finite())) {
+        match vectors
+            .iter()
+            .position(|v: &[f32; N]| !v.iter().all(|x| x.is_finite()))
+        {
             None => Ok(vectors),
             Some(element) => {
                 let vector = vectors[element];
@@ -181,7 +188,9 @@ impl Document<'_> {
         vertices: usize,
     ) -> Result<Vec<u32>, SceneError> {
         let indices = self.wholes::<1>(index, by)?;
-        let beyond = indices.iter().position(|[vertex]| *vertex as usize >= vertices);
+        let beyond = indices
+            .iter()
+            .position(|[vertex]| *vertex as usize >= vertices);
         let Some(element) = beyond else {
             return Ok(indices.into_iter().flatten().collect());
         };
@@ -222,11 +231,16 @@ impl Document<'_> {
         let mut values: Vec<T> = match accessor.buffer_view {
             Some(view) => {
                 let part = (view, accessor.byte_offset, accessor.count);
-                self.elements(part, size, &place)?.iter().filter_map(read).collect()
+                self.elements(part, size, &place)?
+                    .iter()
+                    .filter_map(read)
+                    .collect()
             }
             None if accessor.count.0 > MOST_ZEROS => {
-                let problem =
-                    format!("{} elements without data are more than {MOST_ZEROS}", accessor.count.0);
+                let problem = format!(
+                    "{} elements without data are more than {MOST_ZEROS}",
+                    accessor.count.0
+                );
                 return Err(self.invalid(&place, problem));
             }
             None => vec![zero; accessor.count.place()],
@@ -235,11 +249,13 @@ impl Document<'_> {
             return Ok(values);
         };
         let number = sparse.indices.component_type.and_then(Component::of);
-        let number = number.filter(|number| {
-            matches!(number, Component::U8 | Component::U16 | Component::U32)
-        });
+        let number = number
+            .filter(|number| matches!(number, Component::U8 | Component::U16 | Component::U32));
         let number = number.ok_or_else(|| {
-            self.invalid(&place, "its sparse indices are no whole numbers without a sign")
+            self.invalid(
+                &place,
+                "its sparse indices are no whole numbers without a sign",
+            )
         })?;
         let part = |part: &SparsePart| (part.buffer_view, part.byte_offset, sparse.count);
         let indices = self.elements(part(&sparse.indices), number.size(), &place)?;
@@ -277,7 +293,9 @@ impl Document<'_> {
             let size = if count > 0 { size as u64 } else { 0 };
             last.checked_add(offset)?.checked_add(size)
         });
-        let tail = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
+        let tail = usize::try_from(offset)
+            .ok()
+            .and_then(|offset| bytes.get(offset..));
         match tail {
             Some(bytes) if needed.is_some_and(|needed| needed <= offset + bytes.len() as u64) => {
                 Ok(Elements {
@@ -300,8 +318,13 @@ impl Document<'_> {
     }
 }
 
-const KINDS: [(&str, usize); 5] =
-    [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
+const KINDS: [(&str, usize); 5] = [
+    ("SCALAR", 1),
+    ("VEC2", 2),
+    ("VEC3", 3),
+    ("VEC4", 4),
+    ("MAT4", 16),
+];
 
 fn width(kind: &str) -> Option<usize> {
     let known = KINDS.iter().find(|(name, _)| *name == kind);

@@ -1,11 +1,7 @@
 //! A glTF file as it stands: its JSON, of which an element is decoded when it is read and no sooner, and the
 //! data that it names.
 
-use std::{
-    borrow::Cow,
-    cell::OnceCell,
-    path::Path,
-};
+use std::{borrow::Cow, cell::OnceCell, path::Path};
 
 use base64::{
     Engine,
@@ -85,7 +81,10 @@ impl<'a> Document<'a> {
         let end = text.iter().rposition(|byte| *byte != 0);
         let json: Value = serde_json::from_slice(&text[..end.map_or(0, |last| last + 1)])
             .map_err(|error| broken(error.to_string()))?;
-        let version = |name: &str| json.get("asset").and_then(|asset| asset.get(name)?.as_str());
+        let version = |name: &str| {
+            json.get("asset")
+                .and_then(|asset| asset.get(name)?.as_str())
+        };
         match version("version").map(|version| (version, version.split('.').next())) {
             Some((_, Some("2"))) => {}
             Some((other, _)) => return Err(broken(format!("it is glTF {other}"))),
@@ -95,7 +94,10 @@ impl<'a> Document<'a> {
             let problem = format!("it needs a reader of glTF {newer}, and this reads 2.0");
             return Err(SceneError::invalid(path, "asset", problem, REMEDY));
         }
-        let count = json.get("buffers").and_then(Value::as_array).map_or(0, Vec::len);
+        let count = json
+            .get("buffers")
+            .and_then(Value::as_array)
+            .map_or(0, Vec::len);
         let document = Self {
             path,
             json,
@@ -126,7 +128,11 @@ impl<'a> Document<'a> {
     ) -> Result<T, SceneError> {
         let elements = self.list(list);
         let Some(value) = elements.get(index.place()) else {
-            let problem = format!("it names {list}[{}], but there are {}", index.0, elements.len());
+            let problem = format!(
+                "it names {list}[{}], but there are {}",
+                index.0,
+                elements.len()
+            );
             return Err(self.invalid(by, problem));
         };
         let place = format!("{list}[{}]", index.0);
@@ -193,15 +199,20 @@ impl<'a> Document<'a> {
         let invalid = |problem: String| {
             SceneError::invalid(self.path, place, problem, "name a file beside the model")
         };
-        if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
-            return own_data(&uri[5..]).map_err(|problem| invalid(format!("bad data URI: {problem}")));
+        if uri
+            .get(..5)
+            .is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+        {
+            return own_data(&uri[5..])
+                .map_err(|problem| invalid(format!("bad data URI: {problem}")));
         }
         if uri.contains("://") {
             return Err(invalid(format!("`{uri}` is not a relative path")));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         // Exporters that encode nothing may write a `%` that is part of the name.
-        let decoded = percent_decoded(uri.as_bytes()).and_then(|bytes| String::from_utf8(bytes).ok());
+        let decoded =
+            percent_decoded(uri.as_bytes()).and_then(|bytes| String::from_utf8(bytes).ok());
         let named = [decoded.as_deref(), Some(uri)];
         let mut files = named.into_iter().flatten().map(|name| folder.join(name));
         match (files.find(|file| file.is_file()), decoded.as_deref()) {
@@ -242,9 +253,10 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     // Less than a chunk's header at the end is padding.
     while let (Some(size), Some(kind)) = (word(rest, 0), rest.get(4..8)) {
         let size = size as usize;
-        let chunk = rest.get(8..).and_then(|tail| tail.get(..size)).ok_or_else(|| {
-            format!("a chunk of {size} bytes reaches beyond the file's {length}")
-        })?;
+        let chunk = rest
+            .get(8..)
+            .and_then(|tail| tail.get(..size))
+            .ok_or_else(|| format!("a chunk of {size} bytes reaches beyond the file's {length}"))?;
         match (kind, json) {
             (b"JSON", None) => json = Some(chunk),
             (_, None) => return Err("its first chunk is not its JSON".to_owned()),
@@ -262,7 +274,9 @@ fn own_data(rest: &str) -> Result<Vec<u8>, String> {
     let forgiving = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)
         .with_decode_allow_trailing_bits(true);
-    let (kind, data) = rest.split_once(',').ok_or("it has no comma before its data")?;
+    let (kind, data) = rest
+        .split_once(',')
+        .ok_or("it has no comma before its data")?;
     let mut bytes = percent_decoded(data.as_bytes()).ok_or("a `%` is followed by no two digits")?;
     let base64 = kind.rsplit(';').next();
     if !base64.is_some_and(|word| word.trim().eq_ignore_ascii_case("base64")) {

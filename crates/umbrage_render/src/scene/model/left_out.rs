@@ -75,7 +75,9 @@ pub(super) fn note(document: &Document<'_>, scene: usize, notes: &Notes) {
     for (place, _) in each("animations") {
         notes.tell("animations", "the stored pose is drawn", place);
     }
-    let others = each("scenes").enumerate().filter(|(index, _)| *index != scene);
+    let others = each("scenes")
+        .enumerate()
+        .filter(|(index, _)| *index != scene);
     for (_, (place, _)) in others {
         notes.tell("scenes", "the default scene alone is drawn", place);
     }
@@ -84,20 +86,32 @@ pub(super) fn note(document: &Document<'_>, scene: usize, notes: &Notes) {
     }
     for (place, sampler) in each("samplers") {
         const SMOOTH: u64 = 9987;
-        if sampler.get("minFilter").and_then(Value::as_u64).is_some_and(|filter| filter != SMOOTH) {
+        if sampler
+            .get("minFilter")
+            .and_then(Value::as_u64)
+            .is_some_and(|filter| filter != SMOOTH)
+        {
             let instead = "far textures are blended between texels and mipmaps";
             notes.tell("minFilter", instead, place);
         }
     }
     for (place, mesh) in each("meshes") {
-        let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
+        let primitives = mesh
+            .get("primitives")
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten();
         for (number, primitive) in primitives.enumerate() {
             note_primitive(primitive, &format!("{place}.primitives[{number}]"), notes);
         }
     }
     let mut extensions = BTreeMap::new();
     find_extensions(&document.json, "", &mut extensions);
-    for name in document.list("extensionsUsed").iter().filter_map(Value::as_str) {
+    for name in document
+        .list("extensionsUsed")
+        .iter()
+        .filter_map(Value::as_str)
+    {
         let places: &mut Vec<String> = extensions.entry(name).or_default();
         if places.is_empty() {
             places.push("extensionsUsed".to_owned());
@@ -113,10 +127,16 @@ pub(super) fn note(document: &Document<'_>, scene: usize, notes: &Notes) {
 fn note_material(material: &Value, place: &str, notes: &Notes) {
     let instead = "surfaces have their colour, metalness and roughness alone";
     let textures = ["normalTexture", "occlusionTexture", "emissiveTexture"];
-    for name in textures.into_iter().filter(|name| material.get(name).is_some()) {
+    for name in textures
+        .into_iter()
+        .filter(|name| material.get(name).is_some())
+    {
         notes.tell(name, instead, place);
     }
-    if material.pointer("/pbrMetallicRoughness/metallicRoughnessTexture").is_some() {
+    if material
+        .pointer("/pbrMetallicRoughness/metallicRoughnessTexture")
+        .is_some()
+    {
         notes.tell("metallicRoughnessTexture", instead, place);
     }
     let emissive = material.get("emissiveFactor").and_then(Value::as_array);
@@ -144,20 +164,24 @@ fn note_primitive(primitive: &Value, place: &str, notes: &Notes) {
     let attributes = primitive.get("attributes").and_then(Value::as_object);
     let has = |name: &str| attributes.is_some_and(|attributes| attributes.contains_key(name));
     if is_drawn && !has("POSITION") {
-        notes.tell("primitives without POSITION", "nothing is drawn of them", place);
+        notes.tell(
+            "primitives without POSITION",
+            "nothing is drawn of them",
+            place,
+        );
     }
     let further = |name: &&String| name.starts_with("COLOR_") && *name != "COLOR_0";
-    for name in attributes.into_iter().flat_map(|a| a.keys()).filter(further) {
+    for name in attributes
+        .into_iter()
+        .flat_map(|a| a.keys())
+        .filter(further)
+    {
         notes.tell(name, "COLOR_0 alone is drawn", place);
     }
 }
 
 /// Where each extension is used, by its name. What an application put into `extras` is its own.
-fn find_extensions<'a>(
-    value: &'a Value,
-    place: &str,
-    found: &mut BTreeMap<&'a str, Vec<String>>,
-) {
+fn find_extensions<'a>(value: &'a Value, place: &str, found: &mut BTreeMap<&'a str, Vec<String>>) {
     match value {
         Value::Array(elements) => {
             for (index, element) in elements.iter().enumerate() {

@@ -5,10 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use glam::{DAffine2, DMat2, DVec2, Vec2, Vec4};
 use serde::Deserialize;
 
-use super::{
-    Reader, SceneError,
-    document::Whole,
-};
+use super::{Reader, SceneError, document::Whole};
 use crate::scene::{Image, Material, Texture, Wrap};
 
 #[derive(Default, Deserialize)]

@@ -177,7 +177,10 @@ impl Reader<'_> {
         let normals = vertices.read::<3>("NORMAL", Some(count))?;
         let normals = normals.map(|normals| {
             let unit = |normal: [f32; 3]| DVec3::from(normal.map(f64::from)).normalize_or_zero();
-            normals.into_iter().map(|normal| unit(normal).as_vec3()).collect()
+            normals
+                .into_iter()
+                .map(|normal| unit(normal).as_vec3())
+                .collect()
         });
         let corners = match primitive.indices {
             Some(indices) => self.document.indices(indices, place, count)?,
@@ -294,14 +297,19 @@ impl Vertices<'_, '_> {
         let colors: Vec<Vec4> = match self.reader.document.width(*accessor, self.place)? {
             3 => {
                 let colors = self.read::<3>(NAME, Some(count))?.unwrap_or_default();
-                colors.into_iter().map(|color| Vec3::from(color).extend(1.0)).collect()
+                colors
+                    .into_iter()
+                    .map(|color| Vec3::from(color).extend(1.0))
+                    .collect()
             }
             _ => {
                 let colors = self.read::<4>(NAME, Some(count))?.unwrap_or_default();
                 colors.into_iter().map(Vec4::from_array).collect()
             }
         };
-        let clamped = colors.into_iter().map(|color| color.clamp(Vec4::ZERO, Vec4::ONE));
+        let clamped = colors
+            .into_iter()
+            .map(|color| color.clamp(Vec4::ZERO, Vec4::ONE));
         let colors: Vec<_> = clamped.collect();
         match colors.iter().all(|color| *color == Vec4::ONE) {
             true => Ok(Vec::new()),
@@ -313,7 +321,8 @@ impl Vertices<'_, '_> {
     /// scene.
     fn bend(&self, mesh: &mut Mesh, joints: &[DAffine3]) -> Result<DAffine3, SceneError> {
         let holds = self.holds(mesh.positions.len(), joints)?;
-        let place = |(position, hold): (&Vec3, &DAffine3)| hold.transform_point3(position.as_dvec3());
+        let place =
+            |(position, hold): (&Vec3, &DAffine3)| hold.transform_point3(position.as_dvec3());
         let places: Vec<DVec3> = mesh.positions.iter().zip(&holds).map(place).collect();
         let least = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let most = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -351,7 +360,8 @@ impl Vertices<'_, '_> {
             let numbers = self.reader.document.wholes::<4>(*numbers, self.place)?;
             self.check_count("joints", numbers.len(), count)?;
             let weights = self.read::<4>(&weights, Some(count))?;
-            let weights = weights.ok_or_else(|| self.invalid(format!("it has no WEIGHTS_{set}")))?;
+            let weights =
+                weights.ok_or_else(|| self.invalid(format!("it has no WEIGHTS_{set}")))?;
             for ((hold, sum, first), (numbers, weights)) in
                 holds.iter_mut().zip(numbers.into_iter().zip(weights))
             {

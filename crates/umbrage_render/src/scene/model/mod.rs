@@ -18,13 +18,13 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use glam::DAffine3;
 
+pub(super) use self::view::{Eye, Lamp};
 use self::{
     document::{Document, Whole},
     left_out::Notes,
     mesh::Shapes,
     node::Placed,
 };
-pub(super) use self::view::{Eye, Lamp};
 use super::{LeftOut, Material, Mesh, SceneError, error::read};
 
 /// What a model's file holds.

@@ -83,8 +83,8 @@ pub(super) fn scene(document: &Document<'_>) -> Result<usize, SceneError> {
     let Some(chosen) = document.json.get("scene") else {
         return Ok(0);
     };
-    let chosen = Whole::deserialize(chosen)
-        .map_err(|error| document.invalid("scene", error.to_string()))?;
+    let chosen =
+        Whole::deserialize(chosen).map_err(|error| document.invalid("scene", error.to_string()))?;
     document.element::<SceneFile>("scenes", chosen, "scene")?;
     Ok(chosen.place())
 }
@@ -102,13 +102,19 @@ pub(super) fn nodes(
             let all = (0..document.list("nodes").len() as u64).map(Whole);
             all.filter(|node| !parents.contains_key(node)).collect()
         }
-        false => document.element::<SceneFile>("scenes", Whole(scene as u64), &by)?.nodes,
+        false => {
+            document
+                .element::<SceneFile>("scenes", Whole(scene as u64), &by)?
+                .nodes
+        }
     };
     let mut placed = Vec::new();
     let mut worlds = BTreeMap::new();
     // Last in, first out: pushed backwards, nodes come in the file's order.
     let start = roots.into_iter().rev();
-    let mut stack: Vec<_> = start.map(|root| (root, DAffine3::IDENTITY, true, by.clone())).collect();
+    let mut stack: Vec<_> = start
+        .map(|root| (root, DAffine3::IDENTITY, true, by.clone()))
+        .collect();
     while let Some((index, parent, is_above_visible, by)) = stack.pop() {
         let mut node: Node = document.element("nodes", index, &by)?;
         let place = format!("nodes[{}]", index.0);
@@ -141,7 +147,9 @@ pub(super) fn nodes(
 fn parents(document: &Document<'_>) -> BTreeMap<Whole, Whole> {
     let mut parents = BTreeMap::new();
     for (index, node) in document.list("nodes").iter().enumerate() {
-        let children = node.get("children").and_then(|children| children.as_array());
+        let children = node
+            .get("children")
+            .and_then(|children| children.as_array());
         for child in children.into_iter().flatten() {
             if let Ok(child) = Whole::deserialize(child) {
                 parents.insert(child, Whole(index as u64));
@@ -203,12 +211,15 @@ impl Reader<'_> {
         let document = self.document;
         let vectors = |name: &str| {
             let accessor = attribute(name);
-            accessor.map(|accessor| document.floats::<3>(accessor, &place)).transpose()
+            accessor
+                .map(|accessor| document.floats::<3>(accessor, &place))
+                .transpose()
         };
         let (translations, scales) = (vectors("TRANSLATION")?, vectors("SCALE")?);
         let rotations = attribute("ROTATION");
-        let rotations =
-            rotations.map(|accessor| document.floats::<4>(accessor, &place)).transpose()?;
+        let rotations = rotations
+            .map(|accessor| document.floats::<4>(accessor, &place))
+            .transpose()?;
         let counts = [
             translations.as_ref().map(Vec::len),
             rotations.as_ref().map(Vec::len),

@@ -99,7 +99,13 @@ impl Reader<'_> {
     pub(super) fn light(&self, placed: &Placed) -> Result<Option<Lamp>, SceneError> {
         const LIGHTS: &str = "extensions.KHR_lights_punctual.lights";
         let document = self.document;
-        let Some(number) = placed.node.extensions.light.as_ref().map(|light| light.light) else {
+        let Some(number) = placed
+            .node
+            .extensions
+            .light
+            .as_ref()
+            .map(|light| light.light)
+        else {
             return Ok(None);
         };
         let file: LightFile = document.element(LIGHTS, number, &placed.place)?;
@@ -107,7 +113,9 @@ impl Reader<'_> {
         let invalid = |problem: String| Err(document.invalid(&place, problem));
         let color = Vec3::from(file.color) * file.intensity;
         if !color.is_finite() || color.min_element() < 0.0 {
-            return invalid(format!("its light is {color}, but must be finite and not negative"));
+            return invalid(format!(
+                "its light is {color}, but must be finite and not negative"
+            ));
         }
         let range = file.range.unwrap_or(f64::INFINITY);
         if range.is_nan() || range <= 0.0 {
@@ -115,10 +123,16 @@ impl Reader<'_> {
         }
         let position = placed.world.translation;
         let direction = placed.world.matrix3 * DVec3::NEG_Z;
-        let Some(direction) = direction.try_normalize().or((file.kind == "point").then_some(DVec3::ZERO))
+        let Some(direction) = direction
+            .try_normalize()
+            .or((file.kind == "point").then_some(DVec3::ZERO))
         else {
             let instead = "a light that is scaled to nothing shines nowhere";
-            self.notes.tell("KHR_lights_punctual without a direction", instead, &placed.place);
+            self.notes.tell(
+                "KHR_lights_punctual without a direction",
+                instead,
+                &placed.place,
+            );
             return Ok(None);
         };
         let kind = match file.kind.as_str() {
@@ -134,7 +148,8 @@ impl Reader<'_> {
                 }
                 if outer > WIDEST {
                     let instead = "the light ends at 89 degrees from its axis";
-                    self.notes.tell("outerConeAngle beyond 89 degrees", instead, &placed.place);
+                    self.notes
+                        .tell("outerConeAngle beyond 89 degrees", instead, &placed.place);
                 }
                 let outer_angle = outer.clamp(PI / 180.0, WIDEST);
                 LightKind::Spot {
@@ -174,7 +189,11 @@ impl Reader<'_> {
                     let yfov = lens.yfov;
                     return invalid(format!("its yfov is {yfov}, but must lie between 0 and π"));
                 }
-                (Field::Perspective { fov_y: lens.yfov }, lens.znear, lens.zfar)
+                (
+                    Field::Perspective { fov_y: lens.yfov },
+                    lens.znear,
+                    lens.zfar,
+                )
             }
             ("orthographic", _, Some(lens)) => {
                 if !(lens.ymag.abs() > 0.0 && lens.ymag.is_finite()) {
@@ -206,7 +225,8 @@ impl Reader<'_> {
         let linear = placed.world.matrix3;
         let Some(rotation) = upright(linear) else {
             let instead = "a camera that is scaled to nothing sees nothing";
-            self.notes.tell("cameras without a direction", instead, &placed.place);
+            self.notes
+                .tell("cameras without a direction", instead, &placed.place);
             return Ok(None);
         };
         Ok(Some(Eye {
