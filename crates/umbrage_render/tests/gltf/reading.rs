@@ -360,6 +360,22 @@ fn accessors_read_as_the_gltf_crate_reads_them() {
 }
 
 #[test]
+fn a_restart_is_no_index() {
+    let mut maker = triangle();
+    let indices = maker.accessor("SCALAR", U8, 4, &[0, 1, 2, 255]);
+    maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    maker.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
+    let expected = "accessors[1]: element 3 names vertex 255, but the mesh has 3; glTF has no such number for a restart";
+    assert!(maker.refusal().contains(expected), "{}", maker.refusal());
+    // Of 256 vertices it is one.
+    let positions = maker.floats(&[[1.0, 2.0, 3.0]; 256]);
+    maker.attribute("POSITION", positions);
+    maker.push("nodes", json!({"mesh": 0, "translation": [9, 9, 9]}));
+    maker.json["scenes"][0]["nodes"] = json!([0, 1]);
+    assert_near(&corners(&maker.scene(), 0), &[[1.0, 2.0, 3.0]; 6]);
+}
+
+#[test]
 fn a_zero_quaternion_turns_nothing_and_is_told() {
     let mut maker = triangle();
     maker.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
