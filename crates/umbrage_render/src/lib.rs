@@ -57,5 +57,5 @@ pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report}
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight, Shadow,
-    Texture, Wrap, look_along,
+    Staging, Texture, Wrap, look_along,
 };

@@ -6,11 +6,17 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Field, Light, LightKind};
 
 use super::{
-    Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
+    Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Staging,
+    file::look_along, model,
 };
 
-/// Loads the model at `path`.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+/// How far below a model its ground lies, as a share of the radius: a quarter of a pixel in the picture of 720 rows that
+/// its camera takes, and hundreds of times what f32 depths and positions are off there. So a floor of the model's own
+/// hides the ground under it, instead of fighting with it for each pixel.
+const SUNK: f64 = 1e-3;
+
+/// Loads the model at `path`, with a ground and a sun where `staging` asks for them.
+pub(super) fn load(path: &Path, staging: Staging) -> Result<Scene, SceneError> {
     let mut objects = Vec::new();
     for part in model::load(path)? {
         let object = Object::place(part.name, part.mesh, part.material, part.transform);
@@ -39,18 +45,23 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
             remedy,
         ));
     }
-    objects.push(ground(path, &bounds, centre, radius)?);
+    let camera = camera(centre, radius);
+    let level = DVec3::new(centre.x, bounds.min.y - SUNK * radius, centre.z);
+    // From below, a ground would hide the model.
+    if staging.ground && camera.position.y > level.y {
+        objects.push(ground(path, level, radius)?);
+    }
     Ok(Scene {
         objects,
-        lights: vec![sun()],
-        camera: camera(centre, radius),
+        lights: staging.sun.then(sun).into_iter().collect(),
+        camera,
         ambient: Vec3::splat(0.35),
         background: Vec3::new(0.3, 0.4, 0.6),
         medium: None,
     })
 }
 
-fn ground(path: &Path, bounds: &Aabb, centre: DVec3, radius: f64) -> Result<Object, SceneError> {
+fn ground(path: &Path, middle: DVec3, radius: f64) -> Result<Object, SceneError> {
     let mesh = Mesh::plane(Vec2::ONE, Vec2::ONE);
     let material = Material {
         base_color: Vec4::new(0.45, 0.45, 0.45, 1.0),
@@ -59,7 +70,7 @@ fn ground(path: &Path, bounds: &Aabb, centre: DVec3, radius: f64) -> Result<Obje
     let transform = DAffine3::from_scale_rotation_translation(
         DVec3::new(12.0 * radius, 1.0, 12.0 * radius),
         glam::DQuat::IDENTITY,
-        DVec3::new(centre.x, bounds.min.y, centre.z),
+        middle,
     );
     Object::place(
         "ground".to_owned(),
