@@ -19,7 +19,7 @@ use umbrage_measure::{
 
 use crate::{
     args::CompareArgs,
-    output::{Bars, tell_left_out},
+    output::Bars,
     report::{check_out, write_report},
 };
 
@@ -94,9 +94,7 @@ fn command_line() -> String {
 fn load(args: &CompareArgs) -> Result<Vec<(String, Scene)>> {
     let named = |path: &Path| {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let scene = Scene::load(path)?;
-        tell_left_out(&scene);
-        Ok((name.into_owned(), scene))
+        Ok((name.into_owned(), args.staging.load(path)?))
     };
     args.scenes.iter().map(|path| named(path)).collect()
 }

@@ -10,7 +10,6 @@ use std::{
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use umbrage::render::Scene;
 use umbrage_measure::study::Progress;
 
 /// Prints a result. A standard output that nobody reads any more is an error, not a panic.
@@ -26,13 +25,6 @@ pub(crate) fn print_json(value: &impl Serialize) -> Result<()> {
     let mut text = serde_json::to_string_pretty(value).context("the result is not JSON")?;
     text.push('\n');
     print(&text)
-}
-
-/// Tells on standard error what the models of a scene say that it does not show.
-pub(crate) fn tell_left_out(scene: &Scene) {
-    for left_out in &scene.left_out {
-        eprintln!("left out: {left_out}");
-    }
 }
 
 /// A progress bar on standard error; invisible where that is no terminal.

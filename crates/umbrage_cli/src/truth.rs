@@ -9,11 +9,12 @@ use umbrage::{
     render::{LeftOut, Picture, Scene},
     shadow::{Field, Light, LightKind},
 };
-use umbrage_measure::truth::{Source, Truth, TruthError, TruthStore};
+use umbrage_measure::truth::{Source, Truth, TruthStore};
 
 use crate::{
     args::TruthArgs,
-    output::{check_picture, print_json, progress, tell_left_out},
+    output::{check_picture, print_json, progress},
+    render::choose_light,
 };
 
 /// What `--json` prints: all that a tracer of another make needs beside the scene's triangles.
@@ -21,7 +22,7 @@ use crate::{
 struct Report<'a> {
     picture: &'a Path,
     camera: Camera,
-    /// The lights whose shadows the picture shows.
+    /// The lights whose shadows the picture shows: those that cast some.
     lights: Vec<ReportLight<'a>>,
     triangles: usize,
     /// What the models' files say that is not there.
@@ -66,9 +67,8 @@ struct ReportLight<'a> {
 
 pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
     check_picture(&args.out)?;
-    let mut scene = Scene::load(&args.scene)?;
-    tell_left_out(&scene);
-    let lights = choose_lights(&mut scene, args.light)?;
+    let scene = args.staging.load(&args.scene)?;
+    let (scene, lights) = choose_light(scene, args.light)?;
     let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
     let (width, height) = args.size;
     let bar = progress("tracing", Truth::rows(&scene, height));
@@ -88,6 +88,7 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
         picture: &args.out,
         camera: camera(&scene, args.size),
         lights: (lights.iter().zip(&scene.lights))
+            .filter(|(_, light)| scene.casts_shadow(light))
             .map(|(index, light)| report_light(*index, &light.name, &light.light))
             .collect(),
         triangles: scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum(),
@@ -106,19 +107,6 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
         );
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Leaves in the scene the lights whose shadows are asked for; gives their places in it.
-fn choose_lights(scene: &mut Scene, light: Option<usize>) -> Result<Vec<usize>> {
-    let count = scene.lights.len();
-    match light {
-        None => Ok((0..count).collect()),
-        Some(index) if index < count => {
-            scene.lights = vec![scene.lights.swap_remove(index)];
-            Ok(vec![index])
-        }
-        Some(index) => Err(TruthError::NoSuchLight { index, count }.into()),
-    }
 }
 
 fn trace(

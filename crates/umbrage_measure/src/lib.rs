@@ -53,6 +53,7 @@
 //! | `steep-blocks-3`, `-5`, `-7`, `-15`, `-spot-3` to `-spot-15` | planes, nearly planes, steps and slivers under few texels, by filter width |
 //! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
 //! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
+//! | `orthographic-seams`, `-grazing`, `-motion` | the same of three families under a camera of parallel rays |
 //!
 //! Each scene is traced in its tests: there is light and shadow in healthy shares, and what its name says
 //! (an angle, a ratio, a border) holds exactly.

@@ -58,5 +58,5 @@ pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report}
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
-    Shadow, Texture, Wrap, look_along,
+    Shadow, Staging, Texture, Wrap, look_along,
 };

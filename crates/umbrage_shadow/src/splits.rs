@@ -128,6 +128,26 @@ mod tests {
     }
 
     #[test]
+    fn even_splits_may_begin_anywhere() -> Result<(), PlanError> {
+        assert_eq!(
+            split_depths(-3.0, 1.0, 4, 0.0)?,
+            [-3.0, -2.0, -1.0, 0.0, 1.0]
+        );
+        Ok(())
+    }
+
+    /// From far away, splits of equal ratios are splits of equal lengths: those of an orthographic view.
+    #[test]
+    fn equal_ratios_tend_to_equal_lengths_from_far_away() -> Result<(), PlanError> {
+        let away = 1e6;
+        let far = split_depths(1.0 + away, 9.0 + away, 4, 1.0)?;
+        for (depth, expected) in far.iter().zip(split_depths(1.0, 9.0, 4, 0.0)?) {
+            assert!((depth - away - expected).abs() < 1e-4, "{depth}");
+        }
+        Ok(())
+    }
+
+    #[test]
     fn what_cannot_be_split_is_named() {
         assert_eq!(
             message(2.0, 2.0, 4, 0.5),

@@ -238,3 +238,106 @@ impl Projection {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn view(field: Field, [near, far]: [f64; 2], turn: f64) -> View {
+        View {
+            position: DVec3::new(4.0, -2.0, 9.0),
+            rotation: DQuat::from_euler(glam::EulerRot::YXZ, turn, 0.4 * turn, 0.2),
+            projection: Projection {
+                field,
+                aspect: 1.6,
+                near,
+                far,
+            },
+            eye: 0.0,
+        }
+    }
+
+    /// Where a point of the world is seen, and how deep.
+    fn place(view: &View, point: DVec3) -> DVec3 {
+        let clip = view.view_proj_relative();
+        clip.project_point3(point - view.position)
+    }
+
+    proptest! {
+        /// Straight ahead it is the middle, half the height up it is the edge; depth falls evenly from 1 to 0.
+        #[test]
+        fn an_orthographic_view_sees_a_box(
+            height in 1e-3..1e4, near in -50.0..50.0, length in 1e-2..1e4, turn in -3.0..3.0,
+            x in -1.0..1.0, y in -1.0..1.0, z in 0.0..1.0,
+        ) {
+            let view = view(Field::Orthographic { height }, [near, near + length], turn);
+            let seen = DVec3::new(0.8 * height * x, 0.5 * height * y, -(near + z * length));
+            let at = place(&view, view.position + view.rotation * seen);
+            prop_assert!(at.abs_diff_eq(DVec3::new(x, y, 1.0 - z), 1e-6), "{at}");
+            prop_assert!(view.sight(seen).abs_diff_eq(view.forward(), 1e-12));
+        }
+
+        /// The picture, and which of two is nearer, stay the same wherever the view stands; nothing that is seen lies
+        /// behind it, and depths that settings count from the camera stay where they are.
+        #[test]
+        fn an_orthographic_view_may_stand_anywhere(
+            height in 1e-3..1e4, near in -1e6..1e6, length in 1e-2..1e4, turn in -3.0..3.0,
+            (from, to) in (0.0..0.5, 0.5..1.0), t in 0.0..1.0, x in -1.0..1.0, y in -1.0..1.0,
+        ) {
+            let own = view(Field::Orthographic { height }, [near, near + length], turn);
+            let [nearest, farthest] = [from, to].map(|share| near + share * length);
+            let moved = own.clone().around(nearest, farthest);
+            prop_assert_eq!(moved.projection.validate(), Ok(()));
+            prop_assert!(moved.projection.far - moved.projection.near <= length * (1.0 + 1e-9));
+            let depth = nearest + t * (farthest - nearest);
+            let point = own.position
+                + own.rotation * DVec3::new(0.8 * height * x, 0.5 * height * y, -depth);
+            let (before, after) = (place(&own, point), place(&moved, point));
+            prop_assert!(before.truncate().abs_diff_eq(after.truncate(), 1e-5), "{before} {after}");
+            prop_assert!((0.0..=1.0).contains(&after.z), "{after}");
+            let relative = (point - moved.position).dot(moved.forward());
+            prop_assert!(relative > 0.0 && (relative - moved.eye - depth).abs() < 1e-6 * (1.0 + near.abs()));
+        }
+    }
+
+    /// Far away and narrow, a perspective is an orthographic view.
+    #[test]
+    fn a_perspective_from_far_away_tends_to_an_orthographic_view() {
+        let height = 3.0;
+        let orthographic = view(Field::Orthographic { height }, [1.0, 11.0], 0.7);
+        let point = orthographic.position + orthographic.rotation * DVec3::new(1.1, -0.8, -4.0);
+        let expected = place(&orthographic, point);
+        for away in [1e3, 1e5] {
+            let fov_y = 2.0 * (0.5 * height / away).atan();
+            let mut far = view(Field::Perspective { fov_y }, [1.0 + away, 11.0 + away], 0.7);
+            far.position -= away * far.forward();
+            let error = place(&far, point).distance(expected);
+            assert!(error < 12.0 / away, "{error} from {away} m");
+        }
+    }
+
+    #[test]
+    fn what_does_not_project_is_named() {
+        let message = |field, ends| {
+            let fault = view(field, ends, 0.0).projection.validate();
+            fault
+                .map_err(|error| error.to_string())
+                .err()
+                .unwrap_or_default()
+        };
+        let flat = Field::Orthographic { height: 0.0 };
+        assert_eq!(
+            message(flat, [1.0, 2.0]),
+            "the view's height is 0, but must be finite and above 0"
+        );
+        let orthographic = Field::Orthographic { height: 2.0 };
+        assert_eq!(
+            message(orthographic, [5.0, 2.0]),
+            "the view's far distance is 2, but must be finite and above the near distance"
+        );
+        assert_ne!(message(orthographic, [f64::NAN, 2.0]), "");
+        assert_eq!(message(orthographic, [1.0, 2.0]), "");
+    }
+}

@@ -8,6 +8,7 @@ mod form;
 mod judge;
 mod limits;
 mod motion;
+mod orthographic;
 mod place;
 mod reach;
 mod shapes;
@@ -119,7 +120,7 @@ fn choose<V: PartialEq + fmt::Display>(
 
 /// All hard cases, the same each time. A case stands after the one that it must look the same as.
 pub fn all() -> Vec<Case> {
-    let families: [fn() -> Vec<Case>; 7] = [
+    let families: [fn() -> Vec<Case>; 8] = [
         depth::cases,
         direction::cases,
         place::cases,
@@ -127,6 +128,7 @@ pub fn all() -> Vec<Case> {
         reach::cases,
         empty::cases,
         motion::cases,
+        orthographic::cases,
     ];
     families.into_iter().flat_map(|family| family()).collect()
 }

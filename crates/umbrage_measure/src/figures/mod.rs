@@ -56,9 +56,7 @@ pub fn figures(
     let surface = Surface::new(scene, sight)?;
     let mut pool = Pool::default();
     for sample in samples {
-        pool.add(scene, &surface, sample, |pixel| {
-            is_compared(sight, raster, pixel)
-        });
+        pool.add(&surface, sample, |pixel| is_compared(sight, raster, pixel));
     }
     Ok(pool.figures())
 }
@@ -165,13 +163,7 @@ struct Pool {
 }
 
 impl Pool {
-    fn add(
-        &mut self,
-        scene: &Scene,
-        surface: &Surface,
-        sample: &Sample<'_>,
-        is_compared: impl Fn(usize) -> bool,
-    ) {
+    fn add(&mut self, surface: &Surface, sample: &Sample<'_>, is_compared: impl Fn(usize) -> bool) {
         self.counts.bad_pixels += bad_pixels(sample.rendered);
         let reached = sample.truth.iter().filter(|truth| truth.is_some()).count();
         // Compared samples alone, from here on.
@@ -197,12 +189,11 @@ impl Pool {
         let seen = texels.iter().zip(&truth).filter(|(_, t)| t.is_some());
         self.aliases
             .extend(seen.filter_map(|(texel, _)| texel.as_ref()?.alias));
-        self.add_edges_and_causes(scene, surface, sample, &truth, &texels);
+        self.add_edges_and_causes(surface, sample, &truth, &texels);
     }
 
     fn add_edges_and_causes(
         &mut self,
-        scene: &Scene,
         surface: &Surface,
         sample: &Sample<'_>,
         truth: &[Option<f32>],

@@ -124,8 +124,14 @@ pub(super) fn shimmer_between(
             scene: subject.scene,
             sight: &subject.truth.sight,
             raster: &subject.raster,
-            lights: (subject.truth.terms.iter().zip(terms(rendered)))
-                .map(|(truth, rendered)| Terms { truth, rendered })
+            lights: subject
+                .casting()
+                .filter_map(|light| {
+                    Some(Terms {
+                        truth: subject.truth.terms.get(light)?,
+                        rendered: terms(rendered).get(light)?,
+                    })
+                })
                 .collect(),
         })
         .collect();

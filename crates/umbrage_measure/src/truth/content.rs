@@ -19,7 +19,7 @@ const CODE: [&str; 6] = [
 ];
 
 /// The hash of what decides the truth of `scene` in a picture of the given size, as hexadecimal digits.
-/// Colours but for their opacity, names and shadow methods decide nothing.
+/// Colours but for their opacity, names and shadow methods decide nothing, but for whether a light casts shadows.
 pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> String {
     let mut hash = Hash::default();
     CODE.iter().for_each(|code| hash.bytes(code.as_bytes()));
@@ -37,6 +37,7 @@ pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> St
     hash.number(scene.lights.len() as u32);
     for (index, light) in scene.lights.iter().enumerate() {
         hash.light(&light.light.kind);
+        hash.number(u32::from(scene.casts_shadow(light)));
         match sources.get(index).copied().unwrap_or_default() {
             Source::Sharp => hash.number(0),
             Source::Round { size, strata } => {

@@ -31,6 +31,8 @@ pub const MOST_STRATA: u32 = 64;
 pub struct Tracer {
     triangles: Triangles,
     lights: Vec<Light>,
+    /// Whether each casts shadows.
+    casts: Vec<bool>,
     camera: umbrage_render::Camera,
 }
 
@@ -113,6 +115,9 @@ impl Tracer {
         Ok(Self {
             triangles: Triangles::new(scene, scene.camera.position)?,
             lights,
+            casts: (scene.lights.iter())
+                .map(|light| scene.casts_shadow(light))
+                .collect(),
             camera: scene.camera,
         })
     }
@@ -154,8 +159,8 @@ impl Tracer {
         })
     }
 
-    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, 0 in
-    /// shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
+    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, or anywhere of a light that
+    /// [casts no shadows](Scene::casts_shadow), 0 in shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
     /// `on_row` is called after each
     /// row, from any thread.
     ///
@@ -174,8 +179,9 @@ impl Tracer {
         {
             return Err(TruthError::Source { size, strata });
         }
-        self.each(sight, on_row, |seen, pixel| {
-            self.term(seen, &lamp, source, pixel)
+        self.each(sight, on_row, |seen, pixel| match self.casts[light] {
+            true => self.term(seen, &lamp, source, pixel),
+            false => lamp.reaches(seen.position).then_some(1.0),
         })
     }
 
@@ -194,6 +200,9 @@ impl Tracer {
     ) -> Result<Vec<Option<f64>>, TruthError> {
         let lamp = self.lamp(light)?;
         self.each(sight, on_row, |seen, _| {
+            if !self.casts[light] {
+                return None;
+            }
             let (ray, own) = self.leave(seen, &lamp)?;
             let (direction, limit) = lamp.middle(seen.position);
             if self.triangles.runs_along(own, direction) {

@@ -80,13 +80,13 @@ pub(super) fn set_up<'a>(
                 source: fault,
             })?;
         let chosen = match (&options.method, &source.shadow) {
-            (Some(method), _) if method == "none" => None,
+            (Some(method), _) if method == Shadow::NONE || !scene.casts_shadow(source) => None,
             // What a scene chooses for one method means nothing to another.
             (Some(method), shadow) => {
                 let shadow = shadow.as_ref().filter(|shadow| shadow.method == *method);
                 Some((method, shadow.unwrap_or(&none)))
             }
-            (None, Some(shadow)) if shadow.method == "none" => None,
+            (None, Some(shadow)) if shadow.method == Shadow::NONE => None,
             (None, Some(shadow)) => Some((&shadow.method, shadow)),
             (None, None) => None,
         };

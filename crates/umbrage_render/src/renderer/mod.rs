@@ -62,7 +62,8 @@ pub struct RenderOptions {
     pub height: u32,
     /// What the picture shows.
     pub what: What,
-    /// A shadow method for all lights in place of the scene's; `none` takes all shadows away.
+    /// A shadow method for all lights that [cast shadows](Scene::casts_shadow), in place of the scene's; `none` takes all
+    /// shadows away.
     pub method: Option<String>,
     /// Values for axes of the shader library, put in place of the scene's wherever a permutation has
     /// the axis. An axis that is turned on without its texture reads white.

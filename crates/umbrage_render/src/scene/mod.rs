@@ -143,6 +143,29 @@ pub struct Shadow {
     pub settings: BTreeMap<String, f64>,
 }
 
+impl Shadow {
+    /// The method of lights that cast no shadows.
+    pub const NONE: &str = "none";
+}
+
+/// What is made up for a model that comes without a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Staging {
+    /// A ground under it.
+    pub ground: bool,
+    /// A sun.
+    pub sun: bool,
+}
+
+impl Default for Staging {
+    fn default() -> Self {
+        Self {
+            ground: true,
+            sun: true,
+        }
+    }
+}
+
 /// Where the picture is taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -201,20 +224,61 @@ impl Scene {
         }
     }
 
+    /// Whether `light`, one of the scene's, casts shadows: if it has a `shadow` whose method is not `none`. A scene in which
+    /// no light has a `shadow` leaves it open: there all cast as soon as a method is brought to them
+    /// ([`RenderOptions::method`](crate::RenderOptions::method), a comparison), and in the truth. The shadow term of a light
+    /// that casts none is 1.
+    pub fn casts_shadow(&self, light: &SceneLight) -> bool {
+        match &light.shadow {
+            Some(shadow) => shadow.method != Shadow::NONE,
+            None => self.lights.iter().all(|light| light.shadow.is_none()),
+        }
+    }
+
+    /// Takes away all lights but one, by its place; nothing else changes, and it casts shadows if it did. None where there
+    /// is no such light.
+    pub fn lit_by(mut self, light: usize) -> Option<Self> {
+        let kept = self.lights.get(light)?;
+        let casts = self.casts_shadow(kept);
+        let mut kept = kept.clone();
+        if !casts {
+            kept.shadow = Some(Shadow {
+                method: Shadow::NONE.to_owned(),
+                ..Shadow::default()
+            });
+        }
+        self.lights = vec![kept];
+        Some(self)
+    }
+
     /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, and where it has
     /// none a camera and a sun that fit it.
     ///
     /// # Errors
     /// A file that is missing, damaged, or says what cannot be rendered.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::load_with(path, Staging::default())
+    }
+
+    /// The same, of a model with no more made up than `staging` says.
+    ///
+    /// # Errors
+    /// Beside those of [`load`](Self::load), a scene file of which something is not to be made up: nothing is.
+    pub fn load_with(path: impl AsRef<Path>, staging: Staging) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let extension = path
             .extension()
             .and_then(|e| e.to_str())
             .unwrap_or_default();
         match extension.to_ascii_lowercase().as_str() {
+            "ron" if staging != Staging::default() => Err(SceneError::invalid(
+                path,
+                "scene",
+                "a scene file has no ground and no sun but its own, which cannot be left out",
+                "take them out of the file, or name a bare model",
+            )),
             "ron" => file::load(path),
-            "gltf" | "glb" => bare::load(path),
+            "gltf" | "glb" => bare::load(path, staging),
             _ => Err(SceneError::Unknown {
                 path: path.to_owned(),
             }),

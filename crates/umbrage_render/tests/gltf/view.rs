@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use umbrage_render::{Scene, SceneLight};
+use umbrage_render::SceneLight;
 use umbrage_shadow::{Field, LightKind};
 
 use crate::maker::{Maker, assert_near, left_out, load_in, triangle};
@@ -183,7 +183,8 @@ fn the_first_camera_of_a_bare_model_looks() {
         ],
         &[[1.0, 2.0, 3.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
     );
-    assert_eq!((fov(&scene), camera.near, camera.far), (0.7, 0.25, 90.0));
+    assert_eq!(camera.field, Field::Perspective { fov_y: 0.7 });
+    assert_eq!((camera.near, camera.far), (0.25, 90.0));
     // Without an end it sees all there is, the ground as well.
     maker.json["cameras"][0] =
         json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.25}});
@@ -208,13 +209,6 @@ fn the_first_camera_of_a_bare_model_looks() {
     let scene = maker.scene();
     assert_eq!(scene.camera.position, DVec3::ZERO);
     assert_eq!(left_out(&scene), [("cameras", 1)]);
-}
-
-fn fov(scene: &Scene) -> f64 {
-    match scene.camera.field {
-        Field::Perspective { fov_y } => fov_y,
-        Field::Orthographic { height } => panic!("orthographic, of {height} m"),
-    }
 }
 
 #[test]
