@@ -273,7 +273,8 @@ mod tests {
             x in -1.0..1.0, y in -1.0..1.0, z in 0.0..1.0,
         ) {
             let view = view(Field::Orthographic { height }, [near, near + length], turn);
-            let seen = DVec3::new(0.8 * height * x, 0.5 * height * y, -(near + z * length));
+            let depth: f64 = near + z * length;
+            let seen = DVec3::new(0.8 * height * x, 0.5 * height * y, -depth);
             let at = place(&view, view.position + view.rotation * seen);
             prop_assert!(at.abs_diff_eq(DVec3::new(x, y, 1.0 - z), 1e-6), "{at}");
             prop_assert!(view.sight(seen).abs_diff_eq(view.forward(), 1e-12));
@@ -290,8 +291,9 @@ mod tests {
             let [nearest, farthest] = [from, to].map(|share| near + share * length);
             let moved = own.clone().around(nearest, farthest);
             prop_assert_eq!(moved.projection.validate(), Ok(()));
-            prop_assert!(moved.projection.far - moved.projection.near <= length * (1.0 + 1e-9));
-            let depth = nearest + t * (farthest - nearest);
+            let span = moved.projection.far - moved.projection.near;
+            prop_assert!(span <= length + 1e-12 * (length + near.abs()));
+            let depth: f64 = nearest + t * (farthest - nearest);
             let point = own.position
                 + own.rotation * DVec3::new(0.8 * height * x, 0.5 * height * y, -depth);
             let (before, after) = (place(&own, point), place(&moved, point));

@@ -26,10 +26,10 @@ fn camera(eye: glam::DVec3, target: glam::DVec3, height: f64) -> Camera {
     }
 }
 
-/// The fence and the wall, seen so flat that 16 m of picture are 100 m of them: from behind the camera's position to as far
+/// The fence and the wall, seen so flat that 8 m of picture are 42 m of them: from behind the camera's position to as far
 /// before it.
 fn seams() -> Case {
-    let mut stage = fence(camera(vec(3.0, 9.0, -16.0), vec(-1.0, 0.0, -62.0), 16.0));
+    let mut stage = fence(camera(vec(0.4, 2.0, -30.0), vec(-0.1, 0.0, -40.0), 8.0));
     stage.sun(vec(0.9, -0.36, -0.25));
     stage.case(
         "orthographic-seams",
