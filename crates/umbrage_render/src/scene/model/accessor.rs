@@ -74,8 +74,7 @@ impl Component {
         }
     }
 
-    /// The number that stands in `bytes`; whole numbers of a signed type with all others' conversion are not
-    /// needed.
+    /// The number that stands in `bytes`; 0 of whole numbers of 32 bits, which a float may not hold.
     fn float(self, bytes: &[u8], normalized: bool) -> f32 {
         let (value, most) = match (self, bytes) {
             (Self::I8, &[a]) => (f32::from(i8::from_le_bytes([a])), f32::from(i8::MAX)),
