@@ -1,7 +1,7 @@
 //! What a stage's air does, on the CPU, in f64: the steps of a ray are put where the shader puts them, and each asks the
 //! method's twin.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use umbrage::{
     render::Scene,
     shadow::{Aabb, Light, LightKind, View},
@@ -35,6 +35,8 @@ pub(crate) fn shaded(scene: &Scene, view: &View, light: &Light) -> Option<Aabb> 
 
 /// What a pixel shows of its ray, from the eye.
 struct Ray {
+    /// Where the eye is, relative to the camera.
+    origin: DVec3,
     direction: DVec3,
     begin: f64,
     end: f64,
@@ -122,11 +124,15 @@ impl Oracle<'_> {
     fn air_ray(&self, x: u32, y: u32, size: u32) -> Result<Ray, Pixel> {
         let view = &self.view;
         let at = |value: u32| 2.0 * (f64::from(value) + 0.5) / f64::from(size) - 1.0;
-        let slope = (0.5 * view.projection.fov_y).tan();
-        let ray = DVec3::new(at(x) * slope * view.projection.aspect, -at(y) * slope, -1.0);
+        let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(at(x), -at(y));
+        // What one metre of depth is.
+        let (origin, ray) = match view.projection.is_orthographic() {
+            true => (view.rotation * aside.extend(0.0), DVec3::NEG_Z),
+            false => (DVec3::ZERO, aside.extend(-1.0)),
+        };
         let direction = view.rotation * ray.normalize();
         let end = match self.see(x, y, size, size) {
-            Ok((_, position)) => position.length(),
+            Ok((_, position)) => position.distance(origin),
             Err(Pixel::Background) => {
                 let beside = |at: u32| at.saturating_sub(1)..=(at + 1).min(size - 1);
                 let sky = |(x, y)| matches!(self.see(x, y, size, size), Err(Pixel::Background));
@@ -139,6 +145,7 @@ impl Oracle<'_> {
             Err(unsure) => return Err(unsure),
         };
         Ok(Ray {
+            origin,
             direction,
             begin: view.projection.near * ray.length(),
             end,
@@ -155,7 +162,7 @@ impl Oracle<'_> {
         (0..steps).map(move |step| {
             let share = (f64::from(step) + offset) / f64::from(steps);
             let (distance, weight) = self.step(ray, share);
-            let position = distance * ray.direction;
+            let position = ray.origin + distance * ray.direction;
             Step {
                 position,
                 weight,
@@ -171,6 +178,7 @@ impl Oracle<'_> {
             let lost = 1.0 - (sigma * (ray.begin - ray.end)).exp();
             return (ray.begin - (1.0 - share * lost).ln() / sigma, lost / sigma);
         };
+        let place = place - ray.origin;
         let middle = place.dot(ray.direction);
         let nearest = middle * ray.direction - place;
         let apart = nearest.length();

@@ -109,7 +109,7 @@ impl<'a> Oracle<'a> {
                 });
             }
         }
-        let view = scene.camera.view(width, height);
+        let view = scene.view(width, height);
         let light = &scene.lights.first()?;
         let shadow = light.shadow.as_ref();
         let filter = shadow.and_then(|shadow| shadow.axes.get("filter"));
@@ -228,8 +228,7 @@ impl<'a> Oracle<'a> {
         let (hit, position) = self.see(x, y, width, height)?;
         let [a, b, c] = self.triangles[hit.triangle].corners;
         let normal = (b - a).cross(c - a).normalize();
-        // The viewer stands at the origin.
-        let away = normal.dot(position) > 0.0;
+        let away = normal.dot(self.view.sight(position)) > 0.0;
         Ok((position, if away { -normal } else { normal }))
     }
 

@@ -10,7 +10,7 @@ use umbrage::{
         Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneLight, Shadow, Texture,
         Wrap,
     },
-    shadow::{Light, LightKind},
+    shadow::{Field, Light, LightKind},
 };
 
 use crate::registry;
@@ -35,11 +35,13 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
     let on = |axis: &str| value(axis) == "on";
     let mask = on("base_color_texture").then(mask);
     let alpha_test = on("alpha_test");
-    let solid: fn(Vec2) -> bool = match (alpha_test, mask.is_some()) {
-        (true, true) => |uv| mask_is_solid((uv * MASK as f32).as_uvec2()),
+    let colored = on("vertex_color");
+    let solid: fn(Vec2) -> bool = match (alpha_test, mask.is_some(), colored) {
+        (true, true, false) => |uv| mask_is_solid((uv * MASK as f32).as_uvec2()),
+        (true, true, true) => |uv| uv.x >= 0.5 && mask_is_solid((uv * MASK as f32).as_uvec2()),
         // Without a texture the whole screen is under the cut-off.
-        (true, false) => |_| false,
-        (false, _) => |_| true,
+        (true, false, _) => |_| false,
+        (false, ..) => |_| true,
     };
     let surface = value("surface");
     // Everything has the key's material, so that every permutation is drawn; only the screen's has
@@ -70,7 +72,16 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         let rotation = DQuat::from_axis_angle(axis.normalize(), degrees.to_radians());
         DAffine3::from_scale_rotation_translation(scale, rotation, position)
     };
-    let (cube, quad) = (Arc::new(cube()), Arc::new(quad()));
+    let (mut cube, mut quad, mut veil) = (cube(), quad(), quad());
+    if colored {
+        let opaque = Vec4::new(0.5, 1.0, 0.25, 1.0);
+        cube.colors = vec![opaque; cube.positions.len()];
+        quad.colors = vec![opaque; quad.positions.len()];
+        // From nothing on the left to all on the right: cut off in the middle.
+        let veiled = veil.uvs.iter().map(|uv| opaque.with_w(uv.x));
+        veil.colors = veiled.collect();
+    }
+    let (cube, quad, veil) = (Arc::new(cube), Arc::new(quad), Arc::new(veil));
     let objects = vec![
         object(
             "ground",
@@ -102,7 +113,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         ),
         object(
             "screen",
-            &quad,
+            &veil,
             &screen,
             turned(
                 DVec3::new(0.3, 0.5, 0.9),
@@ -125,7 +136,12 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         camera: Camera {
             position: DVec3::new(1.2, 3.1, 3.6),
             rotation: looking(DVec3::new(1.2, 3.1, 3.6), DVec3::new(0.0, 0.3, 0.0)),
-            fov_y: 50f64.to_radians(),
+            field: match value("camera") {
+                "orthographic" => Field::Orthographic { height: 3.9 },
+                _ => Field::Perspective {
+                    fov_y: 50f64.to_radians(),
+                },
+            },
             near: 0.1,
             far: 50.0,
         },
@@ -136,6 +152,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
             absorption: 0.05,
             anisotropy: 0.3,
         }),
+        left_out: Vec::new(),
     };
     Stage {
         scene,
@@ -224,6 +241,7 @@ fn quad() -> Mesh {
             .map(|(x, y)| Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y))
             .to_vec(),
         indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
     }
 }
 

@@ -242,6 +242,7 @@ impl Studio {
         let axes = self.composer.library().axes();
         let known = [
             "block",
+            "camera",
             "light",
             "method",
             "pcf",
@@ -253,6 +254,7 @@ impl Studio {
             "transition",
             "alpha_test",
             "base_color_texture",
+            "vertex_color",
             "cookie",
         ];
         let name: Vec<_> = known

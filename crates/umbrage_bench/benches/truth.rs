@@ -12,7 +12,7 @@ use serde::Serialize;
 use umbrage_bench::write_report;
 use umbrage_measure::truth::{Source, Tracer};
 use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight};
-use umbrage_shadow::{Light, LightKind};
+use umbrage_shadow::{Field, Light, LightKind};
 
 /// Pixels on each side.
 const SIZE: u32 = 512;
@@ -115,13 +115,14 @@ fn scene(fields: u32) -> Scene {
         camera: Camera {
             position: eye,
             rotation: DQuat::from_rotation_x(-0.55),
-            fov_y: 1.0,
+            field: Field::Perspective { fov_y: 1.0 },
             near: 0.1,
             far: 100.0,
         },
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
         medium: None,
+        left_out: Vec::new(),
     }
 }
 
@@ -146,5 +147,6 @@ fn hills(fields: u32) -> Mesh {
         indices: fields
             .flat_map(|a| [a, a + row, a + row + 1, a, a + row + 1, a + 1])
             .collect(),
+        ..Mesh::default()
     }
 }

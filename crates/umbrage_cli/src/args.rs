@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use umbrage::render::{Scene, SceneError, Staging};
 
 use crate::targets::NAMES;
 
@@ -42,12 +43,18 @@ pub(crate) enum Command {
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {
-    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, and a camera and a sun where it has none.
     pub(crate) scene: PathBuf,
     /// The picture's size in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     pub(crate) size: (u32, u32),
-    /// The shadow method of all lights, in place of the scene's.
+    #[command(flatten)]
+    pub(crate) staging: StagingArgs,
+    /// The light, counted from 0: the picture as if it were the only one; without it, all lights.
+    #[arg(long, value_name = "N")]
+    pub(crate) light: Option<usize>,
+    /// The shadow method of all lights that cast shadows, in place of the scene's. Those with a `shadow` do; in a scene
+    /// where none has one, all.
     #[arg(long, value_name = "NAME")]
     pub(crate) method: Option<String>,
     /// A value of an axis of the shader library, such as filter=hpsm, in place of the scene's; may be repeated.
@@ -78,12 +85,15 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args)]
 pub(crate) struct TruthArgs {
-    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, a camera and a sun.
+    /// A scene file (.ron), or a bare model (.glb, .gltf), which gets a ground, and a camera and a sun where it has none.
     pub(crate) scene: PathBuf,
     /// The picture's size in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     pub(crate) size: (u32, u32),
-    /// The light, counted from 0; without it, the product over all lights.
+    #[command(flatten)]
+    pub(crate) staging: StagingArgs,
+    /// The light, counted from 0; without it, the product over all lights that cast shadows. Those with a `shadow` do; in
+    /// a scene where none has one, all. The term of a light that casts none is 1.
     #[arg(long, value_name = "N")]
     pub(crate) light: Option<usize>,
     /// Takes each light for one with an extent: a sphere's radius in metres, or for a directional light the
@@ -106,9 +116,11 @@ pub(crate) struct TruthArgs {
 
 #[derive(Args)]
 pub(crate) struct CompareArgs {
-    /// Scene files (.ron), or bare models (.glb, .gltf), which get a ground, a camera and a sun.
+    /// Scene files (.ron), or bare models (.glb, .gltf), which get a ground, and a camera and a sun where they have none.
     #[arg(required = true, value_name = "SCENE")]
     pub(crate) scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) staging: StagingArgs,
     /// The methods, with commas between; without it or with `all`, every one.
     #[arg(long, value_name = "all|A,B")]
     pub(crate) methods: Option<String>,
@@ -134,6 +146,32 @@ pub(crate) struct CompareArgs {
     /// A folder to keep permutations and truths in from run to run; without it, none is kept.
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
+}
+
+/// What is made up for bare models.
+#[derive(Args)]
+pub(crate) struct StagingArgs {
+    /// Puts no ground under bare models.
+    #[arg(long)]
+    no_ground: bool,
+    /// Puts no sun over bare models.
+    #[arg(long)]
+    no_sun: bool,
+}
+
+impl StagingArgs {
+    /// Loads the scene at `path`, and tells on standard error what its models say and it does not show.
+    pub(crate) fn load(&self, path: &std::path::Path) -> Result<Scene, SceneError> {
+        let staging = Staging {
+            ground: !self.no_ground,
+            sun: !self.no_sun,
+        };
+        let scene = Scene::load_with(path, staging)?;
+        for left_out in &scene.left_out {
+            eprintln!("left out: {left_out}");
+        }
+        Ok(scene)
+    }
 }
 
 #[derive(Args)]

@@ -94,7 +94,7 @@ fn command_line() -> String {
 fn load(args: &CompareArgs) -> Result<Vec<(String, Scene)>> {
     let named = |path: &Path| {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        Ok((name.into_owned(), Scene::load(path)?))
+        Ok((name.into_owned(), args.staging.load(path)?))
     };
     args.scenes.iter().map(|path| named(path)).collect()
 }

@@ -7,9 +7,12 @@ use serde::Serialize;
 use umbrage::{
     compose::{Composer, Source, Target},
     methods::registry,
-    render::{self, Gpu, PermutationUse, RenderOptions, Rendered, Renderer, Scene},
+    render::{
+        self, Gpu, LeftOut, PermutationUse, RenderOptions, Rendered, Renderer, Scene, Shadow,
+    },
     shader_library,
 };
+use umbrage_measure::truth::TruthError;
 
 use crate::{
     args::{self, RenderArgs, What},
@@ -21,9 +24,22 @@ use crate::{
 struct Report<'a> {
     picture: &'a Path,
     adapter: &'a str,
+    lights: Vec<UsedLight<'a>>,
     permutations: Permutations<'a>,
+    /// What the models' files say that the picture does not show.
+    left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,
+}
+
+/// A light of the picture.
+#[derive(Serialize)]
+struct UsedLight<'a> {
+    /// Its place in the scene, from 0.
+    index: usize,
+    name: &'a str,
+    /// Whether it casts shadows in this picture: of one that does not, the shadow term is 1.
+    casts: bool,
 }
 
 #[derive(Serialize)]
@@ -59,7 +75,8 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
             .get(method)
             .context("--method: choose a known one, or `none` for no shadows")?;
     }
-    let scene = Scene::load(&args.scene)?;
+    let scene = args.staging.load(&args.scene)?;
+    let (scene, lights) = choose_light(scene, args.light)?;
     let mut composer = Composer::new(shader_library()?, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
@@ -74,7 +91,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
     for warning in &rendered.report.warnings {
         eprintln!("warning: {warning}");
     }
-    let report = report(args, &rendered);
+    let report = report(args, (&scene, &lights), &rendered);
     if args.json {
         print_json(&report)?;
     } else {
@@ -109,7 +126,22 @@ fn options(args: &RenderArgs) -> RenderOptions {
     }
 }
 
-fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
+/// Leaves in the scene the light that is asked for, if one is; gives the places of its lights in the whole scene.
+pub(crate) fn choose_light(scene: Scene, light: Option<usize>) -> Result<(Scene, Vec<usize>)> {
+    let count = scene.lights.len();
+    let Some(index) = light else {
+        return Ok((scene, (0..count).collect()));
+    };
+    let lit = scene.lit_by(index);
+    let lit = lit.ok_or(TruthError::NoSuchLight { index, count })?;
+    Ok((lit, vec![index]))
+}
+
+fn report<'a>(
+    args: &'a RenderArgs,
+    (scene, lights): (&'a Scene, &[usize]),
+    rendered: &'a Rendered,
+) -> Report<'a> {
     let used = |used: &'a PermutationUse| Used {
         key: used.key.to_string(),
         from: match used.source {
@@ -127,11 +159,24 @@ fn report<'a>(args: &'a RenderArgs, rendered: &'a Rendered) -> Report<'a> {
     Report {
         picture: &args.out,
         adapter: &rendered.adapter,
+        lights: (lights.iter().zip(&scene.lights))
+            .map(|(index, light)| UsedLight {
+                index: *index,
+                name: &light.name,
+                casts: match args.method.as_deref() {
+                    Some(Shadow::NONE) => false,
+                    // What a scene leaves open is decided by a method.
+                    None if light.shadow.is_none() => false,
+                    _ => scene.casts_shadow(light),
+                },
+            })
+            .collect(),
         permutations: Permutations {
             composed: rendered.report.composed(),
             cached: rendered.report.cached(),
             used: rendered.report.permutations.iter().map(used).collect(),
         },
+        left_out: &scene.left_out,
         milliseconds: rendered.report.milliseconds,
     }
 }

@@ -6,14 +6,15 @@ use anyhow::{Context, Result};
 use glam::DVec3;
 use serde::Serialize;
 use umbrage::{
-    render::{Picture, Scene},
-    shadow::{Light, LightKind},
+    render::{LeftOut, Picture, Scene},
+    shadow::{Field, Light, LightKind},
 };
-use umbrage_measure::truth::{Source, Truth, TruthError, TruthStore};
+use umbrage_measure::truth::{Source, Truth, TruthStore};
 
 use crate::{
     args::TruthArgs,
     output::{check_picture, print_json, progress},
+    render::choose_light,
 };
 
 /// What `--json` prints: all that a tracer of another make needs beside the scene's triangles.
@@ -21,9 +22,11 @@ use crate::{
 struct Report<'a> {
     picture: &'a Path,
     camera: Camera,
-    /// The lights whose shadows the picture shows.
+    /// The lights whose shadows the picture shows: those that cast some.
     lights: Vec<ReportLight<'a>>,
     triangles: usize,
+    /// What the models' files say that is not there.
+    left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,
 }
@@ -36,8 +39,10 @@ struct Camera {
     rotation: [f64; 4],
     forward: [f64; 3],
     up: [f64; 3],
-    /// Full vertical angle, radians.
-    fov_y: f64,
+    /// Full vertical angle, radians; none of an orthographic camera.
+    fov_y: Option<f64>,
+    /// From the picture's lower to its upper edge, metres; none of a perspective camera.
+    orthographic_height: Option<f64>,
     near: f64,
     far: f64,
     width: u32,
@@ -62,8 +67,8 @@ struct ReportLight<'a> {
 
 pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
     check_picture(&args.out)?;
-    let mut scene = Scene::load(&args.scene)?;
-    let lights = choose_lights(&mut scene, args.light)?;
+    let scene = args.staging.load(&args.scene)?;
+    let (scene, lights) = choose_light(scene, args.light)?;
     let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
     let (width, height) = args.size;
     let bar = progress("tracing", Truth::rows(&scene, height));
@@ -83,9 +88,11 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
         picture: &args.out,
         camera: camera(&scene, args.size),
         lights: (lights.iter().zip(&scene.lights))
+            .filter(|(_, light)| scene.casts_shadow(light))
             .map(|(index, light)| report_light(*index, &light.name, &light.light))
             .collect(),
         triangles: scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum(),
+        left_out: &scene.left_out,
         milliseconds,
     };
     if args.json {
@@ -100,19 +107,6 @@ pub(crate) fn truth(args: &TruthArgs) -> Result<ExitCode> {
         );
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Leaves in the scene the lights whose shadows are asked for; gives their places in it.
-fn choose_lights(scene: &mut Scene, light: Option<usize>) -> Result<Vec<usize>> {
-    let count = scene.lights.len();
-    match light {
-        None => Ok((0..count).collect()),
-        Some(index) if index < count => {
-            scene.lights = vec![scene.lights.swap_remove(index)];
-            Ok(vec![index])
-        }
-        Some(index) => Err(TruthError::NoSuchLight { index, count }.into()),
-    }
 }
 
 fn trace(
@@ -152,12 +146,17 @@ fn source(args: &TruthArgs, light: &Light) -> Source {
 fn camera(scene: &Scene, (width, height): (u32, u32)) -> Camera {
     let camera = &scene.camera;
     let rotation = camera.rotation.normalize();
+    let (fov_y, orthographic_height) = match camera.field {
+        Field::Perspective { fov_y } => (Some(fov_y), None),
+        Field::Orthographic { height } => (None, Some(height)),
+    };
     Camera {
         position: camera.position.to_array(),
         rotation: rotation.to_array(),
         forward: (rotation * DVec3::NEG_Z).to_array(),
         up: (rotation * DVec3::Y).to_array(),
-        fov_y: camera.fov_y,
+        fov_y,
+        orthographic_height,
         near: camera.near,
         far: camera.far,
         width,

@@ -55,6 +55,7 @@
 //! | `empty-casters`, `-split`, `-giant`, `-1x1`, `-degenerate`, `-inside`, `-head` | no casters, none in a split, one of 40 km, one texel, triangles without area, the viewer inside a caster |
 //! | `wall-lamp`, `-near`, `-wash` | a lamp 5 and 2 cm before a wall, and a spot light that washes it: all angles to its normal, to 89.8° |
 //! | `motion`, `-lamps` | 64 frames, each less than a texel and a pixel from the last |
+//! | `orthographic-seams`, `-grazing`, `-motion` | the same of three families under a camera of parallel rays |
 //!
 //! Each scene is traced in its tests: there is light and shadow in healthy shares, and what its name says
 //! (an angle, a ratio, a border) holds exactly.

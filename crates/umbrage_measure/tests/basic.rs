@@ -141,7 +141,7 @@ fn basic_keeps_to_the_edges_of_the_bunnys_shadow() {
     let texel = 16.0 * 2_f64.sqrt() / 2048.0;
     let reach = (2_f64.sqrt() * 0.5 * (5.0 + 1.0) + 1.5) * texel / direction.y.abs();
     // Pixels that `reach` covers at a depth, where it is seen from straight above.
-    let slope = (0.5 * scene.camera.fov_y).tan();
+    let slope = 0.5 * scene.view(1, 1).projection.size_at(1.0).y;
     let forward = scene.camera.rotation * DVec3::NEG_Z;
     let pixels = |depth: f64| (reach * f64::from(SIZE.1) / (2.0 * depth * slope)).ceil() as i32;
 

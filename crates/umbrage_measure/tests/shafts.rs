@@ -85,12 +85,12 @@ fn compare(method: &str, scene: &Scene, pixels: &[[f32; 3]], texel: f64) {
     };
     let tracer = Tracer::new(scene).expect("a sound scene");
     let sight = tracer.look(SIZE.0, SIZE.1, &|| ()).expect("a size");
-    let view = scene.camera.view(SIZE.0, SIZE.1);
+    let view = scene.view(SIZE.0, SIZE.1);
     let (mut sides, mut tightest, mut worst) = (0, f64::INFINITY, 0.0_f64);
     for (pixel, (seen, color)) in (0..).zip(sight.seen().iter().zip(pixels)) {
         let at = DVec2::new(f64::from(pixel % SIZE.0), f64::from(pixel / SIZE.0)) + 0.5;
         let ndc = at / DVec2::new(SIZE.0.into(), SIZE.1.into()) * 2.0 - 1.0;
-        let slope = (0.5 * view.projection.fov_y).tan();
+        let slope = 0.5 * view.projection.size_at(1.0).y;
         let ray = DVec3::new(ndc.x * slope * view.projection.aspect, -ndc.y * slope, -1.0);
         let direction = view.rotation * ray.normalize();
         let begin = view.projection.near * ray.length();

@@ -47,11 +47,12 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
             position: DVec3::Y,
             rotation: DQuat::IDENTITY,
             projection: Projection {
-                fov_y: 1.0,
+                field: Field::Perspective { fov_y: 1.0 },
                 aspect: 1.5,
                 near: 0.05,
                 far: 200.0,
             },
+            eye: 0.0,
         },
         light: &Light {
             kind,

@@ -45,6 +45,7 @@
 
 mod error;
 mod gpu;
+mod normals;
 mod pack;
 mod picture;
 mod renderer;
@@ -56,6 +57,6 @@ pub use pack::{PackError, pack, pack_buffer};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
-    Camera, Image, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight, Shadow,
-    Texture, Wrap, look_along,
+    Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
+    Shadow, Staging, Texture, Wrap, look_along,
 };

@@ -163,7 +163,7 @@ fn floor() -> Scene {
 
 /// The view depth at which a pixel sees the floor, if it does.
 fn depth(scene: &Scene, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<f64> {
-    let view = scene.camera.view(width, height);
+    let view = scene.view(width, height);
     let at = (DVec2::new(x.into(), y.into()) + 0.5) / DVec2::new(width.into(), height.into());
     let ndc = DVec3::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y, 0.5);
     let ray = view.view_proj_relative().inverse().project_point3(ndc);

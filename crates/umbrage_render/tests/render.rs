@@ -2,10 +2,12 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{color, example, methods, renderer, scene, small};
-use glam::DVec3;
+use glam::{DVec3, Vec3, Vec4};
 use umbrage_compose::Source;
-use umbrage_render::{Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, What};
 use umbrage_shadow::{
     CasterPass, Constants, DepthTarget, Frame, Light, Pass, PlanError, Registry, Setting,
     ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
@@ -86,6 +88,48 @@ fn objects_that_look_alike_are_one_draw() {
     let text = format!("(camera: (position: (0, 1, 9), target: (0, 0, 0)), models: [{balls}])");
     let rendered = renderer(methods()).render(&scene(&text), &small(What::Shaded));
     assert_eq!(rendered.expect("renders").report.draws, 1);
+}
+
+/// Colours of vertices multiply the material's, in ambient light as in a lamp's.
+#[test]
+fn colours_of_vertices_tint_their_mesh() {
+    let (mut plain, mut tinted) = (two_balls(), two_balls());
+    let tint = Vec4::new(0.5, 1.0, 0.25, 1.0);
+    for (plain, tinted) in plain.objects.iter_mut().zip(&mut tinted.objects) {
+        Arc::make_mut(&mut plain.material).base_color *= tint;
+        let mesh = Arc::make_mut(&mut tinted.mesh);
+        mesh.colors = vec![tint; mesh.positions.len()];
+    }
+    (plain.ambient, tinted.ambient) = (Vec3::splat(0.2), Vec3::splat(0.2));
+    let mut renderer = renderer(methods());
+    let mut colors = |scene: &Scene| match renderer.render(scene, &small(What::Shaded)) {
+        Ok(Rendered {
+            picture: Picture::Shaded(colors),
+            report,
+            ..
+        }) => (colors, report.permutations),
+        other => unreachable!("a shaded picture was asked for: {:?}", other.err()),
+    };
+    let ((plain, _), (tinted, permutations)) = (colors(&plain), colors(&tinted));
+    let tinted_keys = permutations
+        .iter()
+        .filter(|used| used.key.get("vertex_color") == Some("on"));
+    // The base pass; the sun on either surface, and the lamp on one.
+    assert_eq!(tinted_keys.count(), 4, "{permutations:?}");
+    for (plain, tinted) in plain.iter().zip(tinted) {
+        for (plain, tinted) in plain.iter().zip(tinted) {
+            // Half floats.
+            assert!(
+                (plain - tinted).abs() <= 2e-3 * plain.abs(),
+                "{plain} {tinted}"
+            );
+        }
+    }
+    assert!(
+        plain
+            .iter()
+            .any(|color| color[1] > 3.0 * color[2] && color[1] > 0.3)
+    );
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn reduced(renderer: &mut Renderer, scene: &Scene, size: [u32; 2]) -> [f64; 2] {
     let Picture::Triangles(pixels) = rendered.picture else {
         unreachable!("triangles were asked for")
     };
-    let view = scene.camera.view(size[0], size[1]);
+    let view = scene.view(size[0], size[1]);
     let back = view.view_proj_relative().inverse();
     let depth = |(pixel, seen): (usize, &Option<(u32, u32)>)| {
         let (object, triangle) = (*seen)?;

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use common::{methods, renderer, scene};
 use glam::DVec3;
 use umbrage_render::{Picture, RenderOptions, Renderer, Scene, Shadow, What};
+use umbrage_shadow::Field;
 
 /// Metres from the camera to the two walls: one pixel on the farther is two on the nearer.
 const DEPTHS: [f64; 2] = [20.0, 10.0];
@@ -72,8 +73,8 @@ fn look(renderer: &mut Renderer, scene: &Scene) -> Seen {
 }
 
 /// Of the points seen in both pictures, the camera having moved by `step`: how many there are, how many have another term,
-/// and how many are on another side of ½.
-fn compare(first: &Seen, then: &Seen, step: [i32; 2]) -> [usize; 3] {
+/// and how many are on another side of ½. A step is so many pixels on the farther and on the nearer wall.
+fn compare(first: &Seen, then: &Seen, step: [i32; 2], pixels: [i32; 2]) -> [usize; 3] {
     let [width, height] = SIZE;
     let mut counts = [0; 3];
     for y in 0..height {
@@ -82,8 +83,7 @@ fn compare(first: &Seen, then: &Seen, step: [i32; 2]) -> [usize; 3] {
             let Some(wall) = first.walls[before] else {
                 continue;
             };
-            let pixels = (DEPTHS[0] / DEPTHS[wall]) as i32;
-            let (x, y) = (x - pixels * step[0], y + pixels * step[1]);
+            let (x, y) = (x - pixels[wall] * step[0], y + pixels[wall] * step[1]);
             let after = (y * width + x) as usize;
             let inside = (0..width).contains(&x) && (0..height).contains(&y);
             if !inside || then.walls[after] != Some(wall) {
@@ -104,14 +104,24 @@ fn a_moving_camera_leaves_stable_shadows_alone() {
     // A pixel of the farther wall, metres.
     let pixel = 2.0 * 30f64.to_radians().tan() * DEPTHS[0] / f64::from(SIZE[1]);
     // Walls of 24 m are less than the balls around the splits: their maps hold all that there is.
-    for (side, origin, fit) in [
-        (60.0, 0.0, "stable"),
-        (60.0, 1e6, "stable"),
-        (24.0, 0.0, "stable"),
-        (24.0, 1e6, "stable"),
-        (60.0, 0.0, "tight"),
+    let spreading = DEPTHS.map(|depth| (DEPTHS[0] / depth) as i32);
+    let parallel = [1; 2];
+    for (side, origin, fit, pixels) in [
+        (60.0, 0.0, "stable", spreading),
+        (60.0, 1e6, "stable", spreading),
+        (24.0, 0.0, "stable", spreading),
+        (24.0, 1e6, "stable", spreading),
+        (60.0, 0.0, "tight", spreading),
+        (60.0, 0.0, "stable", parallel),
+        (60.0, 1e6, "stable", parallel),
+        (24.0, 0.0, "stable", parallel),
+        (60.0, 0.0, "tight", parallel),
     ] {
         let mut scene = walls(side);
+        if pixels == parallel {
+            let height = pixel * f64::from(SIZE[1]);
+            scene.camera.field = Field::Orthographic { height };
+        }
         let axes = BTreeMap::from([("fit".to_owned(), fit.to_owned())]);
         scene.lights[0].shadow = Some(Shadow {
             method: "pssm".to_owned(),
@@ -130,8 +140,10 @@ fn a_moving_camera_leaves_stable_shadows_alone() {
         for step in STEPS {
             let mut moved = scene.clone();
             let [x, y] = step.map(|pixels| f64::from(pixels) * pixel);
-            moved.camera.position += DVec3::new(x, y, 0.0);
-            let counts = compare(&first, &look(&mut renderer, &moved), step);
+            // Parallel rays are as long as one likes.
+            let z = if pixels == parallel { 0.3 * x } else { 0.0 };
+            moved.camera.position += DVec3::new(x, y, z);
+            let counts = compare(&first, &look(&mut renderer, &moved), step, pixels);
             for (sum, count) in sum.iter_mut().zip(counts) {
                 *sum += count;
             }

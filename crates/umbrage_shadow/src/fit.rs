@@ -69,18 +69,19 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Projection, View};
+    use crate::{Field, Projection, View};
 
     fn frustum(yaw: f64, pitch: f64, fov_y: f64) -> Frustum {
         let view = View {
             position: DVec3::new(1.0, 2.0, 3.0),
             rotation: DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch),
             projection: Projection {
-                fov_y,
+                field: Field::Perspective { fov_y },
                 aspect: 1.5,
                 near: 0.1,
                 far: 100.0,
             },
+            eye: 0.0,
         };
         view.frustum()
     }

@@ -169,4 +169,4 @@ pub use plan::{
 pub use registry::{Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
 pub use splits::{MAX_SPLITS, split_depths};
-pub use view::{Projection, View};
+pub use view::{Field, Projection, View};

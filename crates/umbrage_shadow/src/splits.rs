@@ -11,15 +11,17 @@ pub const MAX_SPLITS: usize = 8;
 ///
 /// C_i = λ · C_log + (1 − λ) · C_uni, the practical scheme, where C_log = near · (far / near)^(i / count)
 /// gives each split the same ratio of depths, and C_uni = near + (far − near) · i / count the same length.
-/// λ = 1 shares perspective aliasing evenly between splits, and leaves little to those far away.
+/// λ = 1 shares perspective aliasing evenly between splits, and leaves little to those far away. λ = 0 is for an orthographic
+/// view, whose pixels are as large at all depths: there splits of the same length share aliasing evenly, as C_log does of a
+/// camera that is infinitely far away.
 ///
 /// # Errors
-/// A `near` that is not above 0; a `far` that is not above `near`; one of them that is not finite; no split, or
+/// A `near` that is not above 0, where λ is; a `far` that is not above `near`; one of them that is not finite; no split, or
 /// more than [`MAX_SPLITS`]; a λ outside 0..1; so many splits in so short a range that two would begin at one
 /// number.
 pub fn split_depths(near: f64, far: f64, count: usize, lambda: f64) -> Result<Vec<f64>, PlanError> {
     PlanError::check(
-        near > 0.0 && near.is_finite(),
+        near.is_finite() && (near > 0.0 || lambda == 0.0),
         "the near end of the splits",
         near,
         "finite and above 0",
@@ -47,8 +49,11 @@ pub fn split_depths(near: f64, far: f64, count: usize, lambda: f64) -> Result<Ve
         i if i == count => far,
         i => {
             let share = i as f64 / count as f64;
-            let logarithmic = near * (far / near).powf(share);
             let uniform = near + (far - near) * share;
+            if lambda == 0.0 {
+                return uniform;
+            }
+            let logarithmic = near * (far / near).powf(share);
             lambda * logarithmic + (1.0 - lambda) * uniform
         }
     };
@@ -119,6 +124,26 @@ mod tests {
         }
         let depths = split_depths(1.0, 9.0, 4, 0.0)?;
         assert_eq!(depths, [1.0, 3.0, 5.0, 7.0, 9.0]);
+        Ok(())
+    }
+
+    #[test]
+    fn even_splits_may_begin_anywhere() -> Result<(), PlanError> {
+        assert_eq!(
+            split_depths(-3.0, 1.0, 4, 0.0)?,
+            [-3.0, -2.0, -1.0, 0.0, 1.0]
+        );
+        Ok(())
+    }
+
+    /// From far away, splits of equal ratios are splits of equal lengths: those of an orthographic view.
+    #[test]
+    fn equal_ratios_tend_to_equal_lengths_from_far_away() -> Result<(), PlanError> {
+        let away = 1e6;
+        let far = split_depths(1.0 + away, 9.0 + away, 4, 1.0)?;
+        for (depth, expected) in far.iter().zip(split_depths(1.0, 9.0, 4, 0.0)?) {
+            assert!((depth - away - expected).abs() < 1e-4, "{depth}");
+        }
         Ok(())
     }
 

@@ -1,31 +1,50 @@
 //! The camera.
 
-use glam::{DMat4, DQuat, DVec3, DVec4};
+use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
 
 use crate::{Frustum, PlanError};
 
 /// A camera: world space, metres, right-handed, y up; it looks along −z of its own axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Where it stands.
+    /// Where it stands: what camera-relative positions are relative to, and view depths are counted from.
     pub position: DVec3,
     /// From its axes to the world's.
     pub rotation: DQuat,
     /// How it projects.
     pub projection: Projection,
+    /// The view depth (metres) that distances of settings are counted from, such as how far shadows are to be seen: 0 for
+    /// a perspective view. An orthographic one may [stand anywhere](Self::around) along its axis; there it is where its
+    /// camera stands.
+    pub eye: f64,
 }
 
-/// A perspective projection. Clip space is WebGPU's, depth reversed: 1 at `near`, 0 at `far`.
+/// How a camera projects. Clip space is WebGPU's, depth reversed: 1 at `near`, 0 at `far`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// Full vertical angle, radians.
-    pub fov_y: f64,
+    /// What it sees across.
+    pub field: Field,
     /// Width over height.
     pub aspect: f64,
     /// Metres, above 0.
     pub near: f64,
     /// Metres, above `near`.
     pub far: f64,
+}
+
+/// What a camera sees across: whether its rays spread, and how far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Field {
+    /// Rays from one point.
+    Perspective {
+        /// Full vertical angle, radians.
+        fov_y: f64,
+    },
+    /// Parallel rays: things look as large from anywhere.
+    Orthographic {
+        /// From the picture's lower to its upper edge, metres.
+        height: f64,
+    },
 }
 
 impl View {
@@ -47,7 +66,35 @@ impl View {
             self.rotation,
             "of unit length",
         )?;
+        PlanError::check(self.eye.is_finite(), "the view's eye", self.eye, "finite")?;
         self.projection.validate()
+    }
+
+    /// The view of the same picture, of what it sees from `nearest` to `farthest` (view depths, metres): an orthographic
+    /// one stands close before the nearest of it, wherever its camera stands, so that positions relative to it and
+    /// depths are small numbers, and none of them below 0. A perspective view is left as it is.
+    pub fn around(self, nearest: f64, farthest: f64) -> Self {
+        let Field::Orthographic { height } = self.projection.field else {
+            return self;
+        };
+        if !(nearest <= farthest && (farthest - nearest).is_finite()) {
+            return self;
+        }
+        let width = height * self.projection.aspect;
+        // A part of all lengths in view: beyond the rounding of any position that is seen, and there is room between the
+        // planes where all that is seen lies in one.
+        let margin = (farthest - nearest + height + width) / 64.0;
+        let step = nearest - margin;
+        Self {
+            position: self.position + step * (self.rotation.normalize() * DVec3::NEG_Z),
+            eye: self.eye - step,
+            projection: Projection {
+                near: (self.projection.near - step).max(0.5 * margin),
+                far: (self.projection.far - step).min(farthest + margin - step),
+                ..self.projection
+            },
+            ..self
+        }
     }
 
     /// The way it looks: unit, world axes.
@@ -76,8 +123,16 @@ impl View {
         Frustum::from_matrix(self.view_proj_relative())
     }
 
-    /// What it sees between two view depths (metres, the first above 0 and below the second), in camera-relative
-    /// space.
+    /// The way (unit, world axes) to what it sees at a camera-relative position.
+    pub fn sight(&self, position: DVec3) -> DVec3 {
+        match self.projection.field {
+            Field::Perspective { .. } => position.normalize_or(self.forward()),
+            Field::Orthographic { .. } => self.forward(),
+        }
+    }
+
+    /// What it sees between two view depths (metres, the first below the second, and above 0 where rays spread), in
+    /// camera-relative space.
     pub fn part_relative(&self, near: f64, far: f64) -> Frustum {
         let projection = Projection {
             near,
@@ -92,21 +147,29 @@ impl Projection {
     /// Checks that it projects.
     ///
     /// # Errors
-    /// An angle outside 0..π, an aspect, `near` or `far` that is not above 0 (above `near`), or
+    /// An angle outside 0..π, a height, an aspect, `near` or `far` that is not above 0 (above `near`), or
     /// one of these that is not finite.
     pub fn validate(&self) -> Result<(), PlanError> {
         let Self {
-            fov_y,
+            field,
             aspect,
             near,
             far,
         } = *self;
-        PlanError::check(
-            fov_y > 0.0 && fov_y < std::f64::consts::PI,
-            "the view's vertical angle",
-            fov_y,
-            "above 0 and below π",
-        )?;
+        match field {
+            Field::Perspective { fov_y } => PlanError::check(
+                fov_y > 0.0 && fov_y < std::f64::consts::PI,
+                "the view's vertical angle",
+                fov_y,
+                "above 0 and below π",
+            ),
+            Field::Orthographic { height } => PlanError::check(
+                height > 0.0 && height.is_finite(),
+                "the view's height",
+                height,
+                "finite and above 0",
+            ),
+        }?;
         PlanError::check(
             aspect > 0.0 && aspect.is_finite(),
             "the view's aspect",
@@ -114,7 +177,7 @@ impl Projection {
             "finite and above 0",
         )?;
         PlanError::check(
-            near > 0.0 && near.is_finite(),
+            near.is_finite(),
             "the view's near distance",
             near,
             "finite and above 0",
@@ -124,24 +187,159 @@ impl Projection {
             "the view's far distance",
             far,
             "finite and above the near distance",
+        )?;
+        PlanError::check(
+            near > 0.0,
+            "the view's near distance",
+            near,
+            "finite and above 0",
         )
+    }
+
+    /// Whether rays are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        matches!(self.field, Field::Orthographic { .. })
+    }
+
+    /// Width and height of what is seen at a view depth (metres).
+    pub fn size_at(&self, depth: f64) -> DVec2 {
+        let height = match self.field {
+            Field::Perspective { fov_y } => 2.0 * (0.5 * fov_y).tan() * depth,
+            Field::Orthographic { height } => height,
+        };
+        DVec2::new(height * self.aspect, height)
     }
 
     /// From the view's axes to clip space.
     pub fn matrix(&self) -> DMat4 {
         let Self {
-            fov_y,
+            field,
             aspect,
             near,
             far,
         } = *self;
-        let focal = 1.0 / (0.5 * fov_y).tan();
         let span = far - near;
-        DMat4::from_cols(
-            DVec4::new(focal / aspect, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, focal, 0.0, 0.0),
-            DVec4::new(0.0, 0.0, near / span, -1.0),
-            DVec4::new(0.0, 0.0, near * far / span, 0.0),
-        )
+        match field {
+            Field::Perspective { fov_y } => {
+                let focal = 1.0 / (0.5 * fov_y).tan();
+                DMat4::from_cols(
+                    DVec4::new(focal / aspect, 0.0, 0.0, 0.0),
+                    DVec4::new(0.0, focal, 0.0, 0.0),
+                    DVec4::new(0.0, 0.0, near / span, -1.0),
+                    DVec4::new(0.0, 0.0, near * far / span, 0.0),
+                )
+            }
+            Field::Orthographic { height } => DMat4::from_cols(
+                DVec4::new(2.0 / (height * aspect), 0.0, 0.0, 0.0),
+                DVec4::new(0.0, 2.0 / height, 0.0, 0.0),
+                DVec4::new(0.0, 0.0, 1.0 / span, 0.0),
+                DVec4::new(0.0, 0.0, far / span, 1.0),
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn view(field: Field, [near, far]: [f64; 2], turn: f64) -> View {
+        View {
+            position: DVec3::new(4.0, -2.0, 9.0),
+            rotation: DQuat::from_euler(glam::EulerRot::YXZ, turn, 0.4 * turn, 0.2),
+            projection: Projection {
+                field,
+                aspect: 1.6,
+                near,
+                far,
+            },
+            eye: 0.0,
+        }
+    }
+
+    /// Where a point of the world is seen, and how deep.
+    fn place(view: &View, point: DVec3) -> DVec3 {
+        let clip = view.view_proj_relative();
+        clip.project_point3(point - view.position)
+    }
+
+    proptest! {
+        /// Straight ahead it is the middle, half the height up it is the edge; depth falls evenly from 1 to 0.
+        #[test]
+        fn an_orthographic_view_sees_a_box(
+            height in 1e-3..1e4, near in -50.0..50.0, length in 1e-2..1e4, turn in -3.0..3.0,
+            x in -1.0..1.0, y in -1.0..1.0, z in 0.0..1.0,
+        ) {
+            let view = view(Field::Orthographic { height }, [near, near + length], turn);
+            let depth: f64 = near + z * length;
+            let seen = DVec3::new(0.8 * height * x, 0.5 * height * y, -depth);
+            let at = place(&view, view.position + view.rotation * seen);
+            prop_assert!(at.abs_diff_eq(DVec3::new(x, y, 1.0 - z), 1e-6), "{at}");
+            prop_assert!(view.sight(seen).abs_diff_eq(view.forward(), 1e-12));
+        }
+
+        /// The picture, and which of two is nearer, stay the same wherever the view stands; nothing that is seen lies
+        /// behind it, and depths that settings count from the camera stay where they are.
+        #[test]
+        fn an_orthographic_view_may_stand_anywhere(
+            height in 1e-3..1e4, near in -1e6..1e6, length in 1e-2..1e4, turn in -3.0..3.0,
+            (from, to) in (0.0..0.5, 0.5..1.0), t in 0.0..1.0, x in -1.0..1.0, y in -1.0..1.0,
+        ) {
+            let own = view(Field::Orthographic { height }, [near, near + length], turn);
+            let [nearest, farthest] = [from, to].map(|share| near + share * length);
+            let moved = own.clone().around(nearest, farthest);
+            prop_assert_eq!(moved.projection.validate(), Ok(()));
+            let span = moved.projection.far - moved.projection.near;
+            prop_assert!(span <= length + 1e-12 * (length + near.abs()));
+            let depth: f64 = nearest + t * (farthest - nearest);
+            let point = own.position
+                + own.rotation * DVec3::new(0.8 * height * x, 0.5 * height * y, -depth);
+            let (before, after) = (place(&own, point), place(&moved, point));
+            prop_assert!(before.truncate().abs_diff_eq(after.truncate(), 1e-5), "{before} {after}");
+            prop_assert!((0.0..=1.0).contains(&after.z), "{after}");
+            let relative = (point - moved.position).dot(moved.forward());
+            prop_assert!(relative > 0.0 && (relative - moved.eye - depth).abs() < 1e-6 * (1.0 + near.abs()));
+        }
+    }
+
+    /// Far away and narrow, a perspective is an orthographic view.
+    #[test]
+    fn a_perspective_from_far_away_tends_to_an_orthographic_view() {
+        let height = 3.0;
+        let orthographic = view(Field::Orthographic { height }, [1.0, 11.0], 0.7);
+        let point = orthographic.position + orthographic.rotation * DVec3::new(1.1, -0.8, -4.0);
+        let expected = place(&orthographic, point);
+        for away in [1e3, 1e5] {
+            let fov_y = 2.0 * (0.5 * height / away).atan();
+            let mut far = view(Field::Perspective { fov_y }, [1.0 + away, 11.0 + away], 0.7);
+            far.position -= away * far.forward();
+            let error = place(&far, point).distance(expected);
+            assert!(error < 12.0 / away, "{error} from {away} m");
+        }
+    }
+
+    #[test]
+    fn what_does_not_project_is_named() {
+        let message = |field, ends| {
+            let fault = view(field, ends, 0.0).projection.validate();
+            fault
+                .map_err(|error| error.to_string())
+                .err()
+                .unwrap_or_default()
+        };
+        let flat = Field::Orthographic { height: 0.0 };
+        assert_eq!(
+            message(flat, [1.0, 2.0]),
+            "the view's height is 0, but must be finite and above 0"
+        );
+        let orthographic = Field::Orthographic { height: 2.0 };
+        assert_eq!(
+            message(orthographic, [5.0, 2.0]),
+            "the view's far distance is 2, but must be finite and above the near distance"
+        );
+        assert_ne!(message(orthographic, [f64::NAN, 2.0]), "");
+        assert_eq!(message(orthographic, [1.0, 2.0]), "");
     }
 }

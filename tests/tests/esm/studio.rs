@@ -9,7 +9,7 @@ use umbrage::{
         Camera, Gpu, Material, Mesh, Object, Picture, RenderOptions, Renderer, Scene, SceneLight,
         Shadow, What,
     },
-    shadow::{Light, LightKind, Pass, ShadowPlan, Value},
+    shadow::{Field, Light, LightKind, Pass, ShadowPlan, Value},
 };
 
 /// Texels along the maps, if nothing else is said: a prime, so that no part of a pass divides it.
@@ -218,7 +218,9 @@ impl Studio {
             camera: Camera {
                 position: DVec3::new(0.0, eye, 0.0),
                 rotation: DQuat::from_rotation_x(90f64.to_radians()),
-                fov_y: 2.0 * SPREAD.atan(),
+                field: Field::Perspective {
+                    fov_y: 2.0 * SPREAD.atan(),
+                },
                 near: 0.05,
                 far: 100.0,
             },

@@ -222,3 +222,42 @@ fn nothing_is_in(folder: &TempDir) {
     let left: Vec<_> = fs::read_dir(folder.path()).expect("a folder").collect();
     assert!(left.is_empty(), "{left:?}");
 }
+
+/// What a model says and its picture does not show is told by name: to a person, and in the report.
+#[test]
+fn what_is_left_out_of_a_model_is_told() {
+    let folder = TempDir::new().expect("a folder");
+    let model = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [
+            {"attributes": {"POSITION": 0}, "material": 0}, {"attributes": {"POSITION": 0}, "mode": 0}]}],
+        "materials": [{"emissiveFactor": [1, 0, 0], "extensions": {"KHR_materials_clearcoat": {}}}],
+        "animations": [{}, {}],
+        "buffers": [{"uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}]}"#;
+    write(&folder, "model.gltf", model);
+    let (model, out) = (path_in(&folder, "model.gltf"), path_in(&folder, "out.png"));
+    for command in ["render", "truth"] {
+        let output = umbrage(&[command, &model, "--size", "40x30", "--out", &out, "--json"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        for (line, expected) in said.lines().filter(|line| line.starts_with("left out")).zip([
+            "left out: model.gltf: KHR_materials_clearcoat (1 place): surfaces have their colour, metalness and roughness alone",
+            "left out: model.gltf: animations (2 places): the stored pose is drawn",
+            "left out: model.gltf: emissiveFactor (1 place): nothing but lights shines",
+            "left out: model.gltf: points (1 place): triangles alone are drawn",
+        ]) {
+            assert_eq!(line, expected);
+        }
+        assert_eq!(said.matches("left out: ").count(), 4, "{said}");
+        let report = json(&output);
+        let told = report["left_out"].as_array().expect("a list");
+        assert_eq!(told.len(), 4);
+        assert_eq!(told[1]["feature"], "animations");
+        assert_eq!(told[1]["places"], 2);
+        assert_eq!(told[1]["file"], "model.gltf");
+    }
+    let output = umbrage(&["render", SCENE, "--size", "40x30", "--out", &out, "--json"]);
+    assert_eq!(json(&output)["left_out"], serde_json::json!([]));
+    assert!(!stderr(&output).contains("left out"), "{}", stderr(&output));
+}

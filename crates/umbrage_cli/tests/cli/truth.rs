@@ -161,3 +161,85 @@ fn what_cannot_be_traced() {
     assert!(refusal(&["truth", SCENE]).contains("--out"));
     assert!(refusal(&["truth", SCENE, "--light=-1", "--out", &out]).contains("--light"));
 }
+
+/// The same pixels, by the same rule: lights without a `shadow` cast none, whatever method is asked for.
+#[test]
+fn a_picture_and_the_truth_count_the_same_lights() {
+    let folder = TempDir::new().expect("a folder");
+    let mixed = TWO_LIGHTS.replace(
+        "(kind: directional(direction: (1, -1, 0)))",
+        r#"(kind: directional(direction: (1, -1, 0)), shadow: (method: "basic"))"#,
+    );
+    write(&folder, "mixed.ron", &mixed);
+    let scene = path_in(&folder, "mixed.ron");
+    let draw = |command: &str, options: &[&str]| {
+        let out = path_in(&folder, "picture.png");
+        let mut args = vec![command, &scene, "--size", "64x48", "--out", &out, "--json"];
+        if command == "render" {
+            args.extend(["--what", "shadow-term"]);
+        }
+        args.extend(options);
+        let output = umbrage(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (json(&output), grey(&out))
+    };
+    let dark = |grey: &[u8]| grey.iter().filter(|term| **term < 128).count();
+    for options in [&[][..], &["--light", "0"], &["--light", "1"]] {
+        let (report, truth) = draw("truth", options);
+        let only_sun = report["lights"].as_array().expect("a list").len() == 1;
+        assert_eq!(only_sun, options != ["--light", "1"], "{report}");
+        for method in [&[][..], &["--method", "pssm"]] {
+            let (report, drawn) = draw("render", &[options, method].concat());
+            let differ = truth
+                .iter()
+                .zip(&drawn)
+                .filter(|(a, b)| (**a < 128) != (**b < 128));
+            assert!(differ.count() < 30, "{options:?} {method:?}");
+            let lights = report["lights"].as_array().expect("a list").iter();
+            let casts: Vec<_> = lights
+                .map(|light| (&light["index"], &light["casts"]))
+                .collect();
+            let expected = [(0, true), (1, false)].map(|(at, casts)| (at.into(), casts.into()));
+            for (index, casts) in casts {
+                assert!(
+                    expected.contains(&(index.clone(), casts.clone())),
+                    "{report}"
+                );
+            }
+        }
+        assert_eq!(dark(&truth) > 0, options != ["--light", "1"]);
+    }
+    for command in ["truth", "render"] {
+        let out = path_in(&folder, "none.png");
+        let message = refusal(&[command, &scene, "--light", "2", "--out", &out]);
+        assert!(
+            message.contains("there is no light 2; the scene has 2"),
+            "{message}"
+        );
+        let message = refusal(&[command, &scene, "--no-ground", "--out", &out]);
+        assert!(
+            message.contains("no ground and no sun but its own"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn an_orthographic_camera_is_told_by_its_height() {
+    let folder = TempDir::new().expect("a folder");
+    let text = TWO_LIGHTS.replace(
+        "(0, 0.5, 0))",
+        "(0, 0.5, 0), orthographic_height: 5, near: -3)",
+    );
+    write(&folder, "flat.ron", &text);
+    let scene = path_in(&folder, "flat.ron");
+    let out = path_in(&folder, "flat.png");
+    let output = umbrage(&["truth", &scene, "--size", "40x30", "--out", &out, "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let camera = json(&output)["camera"].clone();
+    assert!(camera["fov_y"].is_null(), "{camera}");
+    assert_eq!(
+        (&camera["orthographic_height"], &camera["near"]),
+        (&5.0.into(), &(-3.0).into())
+    );
+}

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
-use umbrage_render::Mesh;
+use umbrage_render::{Camera, Mesh};
 
 use super::{
     Case, shapes,
@@ -123,6 +123,15 @@ fn seams() -> Case {
 fn seams_fence() -> Case {
     let mut view = camera(vec(-0.1, 1.6, 2.0), vec(0.15, 0.9, -4.0), 55.0);
     (view.near, view.far) = (0.5, 150.0);
+    let mut stage = fence(view);
+    stage.sun(vec(0.9, -0.36, -0.25));
+    stage.case(
+        "split-seams-fence",
+        "straight shadow edges along the whole view, over ground and up a wall",
+    )
+}
+
+pub(super) fn fence(view: Camera) -> Stage {
     let mut stage = Stage::new(view);
     stage.ground(300.0, 400.0).block(
         "wall",
@@ -139,9 +148,5 @@ fn seams_fence() -> Case {
         let z = 1.0 - 0.5 * f64::from(index);
         stage.put("picket", Arc::clone(&picket), BRICK, at(-1.3, 0.7, z));
     }
-    stage.sun(vec(0.9, -0.36, -0.25));
-    stage.case(
-        "split-seams-fence",
-        "straight shadow edges along the whole view, over ground and up a wall",
-    )
+    stage
 }

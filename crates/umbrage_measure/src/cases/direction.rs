@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DQuat, DVec2, DVec3, Vec2, Vec3};
-use umbrage_render::Mesh;
+use umbrage_render::{Camera, Mesh};
 
 use super::{
     Case, shapes,
@@ -161,12 +161,16 @@ pub(super) const GRAZING: [(&str, &str, f64); 3] = [
     ),
 ];
 
-/// Things so low that their shadows are two metres long, and a dome so flat that the light leaves it
-/// somewhere on its far side.
 fn grazing(name: &'static str, hard: &'static str, angle: f64) -> Case {
-    let mut stage = Stage::new(camera(vec(0.4, 2.6, 5.2), vec(0.2, 0.0, -0.4), 46.0));
+    let view = camera(vec(0.4, 2.6, 5.2), vec(0.2, 0.0, -0.4), 46.0);
+    low_things(view, angle.to_radians()).case(name, hard)
+}
+
+/// Things so low that their shadows are two metres long, and a dome so flat that the light leaves it
+/// somewhere on its far side, in light at `angle` (radians) to the ground's normal.
+pub(super) fn low_things(view: Camera, angle: f64) -> Stage {
+    let mut stage = Stage::new(view);
     stage.ground(30.0, 30.0);
-    let angle = angle.to_radians();
     let low = 2.0 / angle.tan();
     for (index, place) in scattered(9).enumerate() {
         let foot = vec(7.0 * place.x - 4.4, 0.0, 5.0 * place.y - 3.4);
@@ -180,5 +184,5 @@ fn grazing(name: &'static str, hard: &'static str, angle: f64) -> Case {
     // Turned about the ground's normal, which leaves the angle as it is.
     let turn = DQuat::from_rotation_y(0.35);
     stage.sun(turn * vec(angle.sin(), -angle.cos(), 0.0));
-    stage.case(name, hard)
+    stage
 }

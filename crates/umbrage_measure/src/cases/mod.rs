@@ -8,6 +8,7 @@ mod form;
 mod judge;
 mod limits;
 mod motion;
+mod orthographic;
 mod place;
 mod reach;
 mod shapes;
@@ -129,6 +130,7 @@ pub fn all() -> Vec<Case> {
         empty::cases,
         motion::cases,
         wall::cases,
+        orthographic::cases,
     ];
     families.into_iter().flat_map(|family| family()).collect()
 }

@@ -21,9 +21,7 @@ pub(super) fn cases() -> Vec<Case> {
     vec![sun(), lamps()]
 }
 
-fn garden() -> Stage {
-    let mut view = camera(vec(1.4, 2.2, 4.4), vec(0.0, 0.4, -0.6), 50.0);
-    view.far = 60.0;
+pub(super) fn garden(view: Camera) -> Stage {
     let mut stage = Stage::new(view);
     stage
         .ground(16.0, 16.0)
@@ -37,8 +35,15 @@ fn garden() -> Stage {
     stage
 }
 
+fn view() -> Camera {
+    Camera {
+        far: 60.0,
+        ..camera(vec(1.4, 2.2, 4.4), vec(0.0, 0.4, -0.6), 50.0)
+    }
+}
+
 fn sun() -> Case {
-    let mut stage = garden();
+    let mut stage = garden(view());
     stage.sun(vec(0.55, -0.8, 0.5));
     moving(stage.case(
         "motion",
@@ -47,7 +52,7 @@ fn sun() -> Case {
 }
 
 fn lamps() -> Case {
-    let mut stage = garden();
+    let mut stage = garden(view());
     stage
         .spot(vec(-2.6, 3.2, -3.4), vec(-0.6, 0.0, 0.4), 36.0, 16.0)
         .point(vec(2.6, 1.8, -2.8), 3.0, 16.0);
@@ -60,7 +65,7 @@ fn lamps() -> Case {
     moving(case.with_setting("resolution", 1024.0))
 }
 
-fn moving(case: Case) -> Case {
+pub(super) fn moving(case: Case) -> Case {
     let start = case.scene.camera;
     let slid = |frame: usize| Camera {
         position: start.position + frame as f64 * STEP,

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight, look_along};
-use umbrage_shadow::{Light, LightKind};
+use umbrage_shadow::{Field, Light, LightKind};
 
 use super::Case;
 
@@ -31,6 +31,7 @@ impl Stage {
             ambient: Vec3::new(0.10, 0.12, 0.16),
             background: Vec3::new(0.32, 0.48, 0.70),
             medium: None,
+            left_out: Vec::new(),
         })
     }
 
@@ -204,7 +205,9 @@ pub(super) fn camera(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera {
         position: eye,
         rotation: look_along(target - eye).unwrap_or_default(),
-        fov_y: degrees.to_radians(),
+        field: Field::Perspective {
+            fov_y: degrees.to_radians(),
+        },
         near: 0.1,
         far: 200.0,
     }

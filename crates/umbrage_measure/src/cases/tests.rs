@@ -55,6 +55,7 @@ fn every_kind_has_its_cases_each_with_a_name_of_its_own() {
         "motion",
         "split-seams",
         "wall-lamp",
+        "orthographic",
     ] {
         assert!(names.iter().any(|name| name.starts_with(kind)), "{kind}");
     }

@@ -322,7 +322,7 @@ fn motions_are_less_than_a_texel_and_than_a_pixel() {
     for case in all().into_iter().filter(|case| !case.frames.is_empty()) {
         assert_eq!(case.frames.len(), 64, "{}", case.name);
         let scene = &case.scene;
-        let view = scene.camera.view(case.size.0, case.size.1);
+        let view = scene.view(case.size.0, case.size.1);
         let ground = scene.objects[0].bounds.translate(-view.position);
         let lens = Lens::directional(direction(scene));
         let extent = Extent::of(&lens, DVec3::ZERO, &[ground], &[&view.frustum_relative()]);
@@ -339,7 +339,7 @@ fn motions_are_less_than_a_texel_and_than_a_pixel() {
             .flatten()
             .map(|s| s.position.dot(forward(scene)));
         let nearest = depths.fold(f64::INFINITY, f64::min);
-        let pixel = 2.0 * (0.5 * scene.camera.fov_y).tan() / f64::from(case.size.1);
+        let pixel = view.projection.size_at(1.0).y / f64::from(case.size.1);
         let (mut slid, mut turned) = (0, 0);
         for pair in case.frames.windows(2) {
             let step = pair[0].position.distance(pair[1].position);

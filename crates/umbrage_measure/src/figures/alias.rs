@@ -46,7 +46,7 @@ impl Alias {
 /// pixel) is as wide as the square of its area: 1 / √|det| of the derivative of texels (pixels) by metres
 /// along two directions perpendicular to the light's ray (the line of sight).
 ///
-/// `plan` is of this very view: its matrices are relative to the scene's camera.
+/// `plan` is of this very view: its matrices are relative to the [scene's](Scene::view).
 ///
 /// # Errors
 /// A sight of another scene, or a camera that cannot be used.
@@ -57,7 +57,7 @@ pub fn aliasing(
     plan: &ShadowPlan,
 ) -> Result<Vec<Option<Alias>>, FigureError> {
     let surface = Surface::new(scene, sight)?;
-    let texels = texels(&surface, scene, light, plan);
+    let texels = texels(&surface, light, plan);
     Ok(texels.iter().map(|texel| texel.as_ref()?.alias).collect())
 }
 
@@ -75,17 +75,12 @@ pub(super) struct Texel {
 }
 
 /// The texel of the plan's maps that each pixel reads, as far as the plan tells.
-pub(super) fn texels(
-    surface: &Surface,
-    scene: &Scene,
-    light: &Light,
-    plan: &ShadowPlan,
-) -> Vec<Option<Texel>> {
-    let lamp = Lamp::new(&light.kind, scene.camera.position);
+pub(super) fn texels(surface: &Surface, light: &Light, plan: &ShadowPlan) -> Vec<Option<Texel>> {
+    let lamp = Lamp::new(&light.kind, surface.view.position);
     let maps: Vec<_> = plan.passes.iter().filter_map(map).collect();
     let texel = |facet: &Option<Facet>| {
         let facet = facet.as_ref()?;
-        let depth = facet.position.dot(surface.forward);
+        let depth = facet.position.dot(surface.view.forward());
         let holding = maps
             .iter()
             .filter(|map| map.cells.place(facet.position).is_some());
@@ -142,7 +137,7 @@ impl Texel {
             .map(|aside| aside - to_light * (facet.normal.dot(aside) / toward));
         let alias = Alias {
             perspective: texel.width() / facet.pixel,
-            projection: facet.normal.dot(-point.normalize_or_zero()) / facing,
+            projection: facet.normal.dot(facet.to_viewer) / facing,
         };
         Some(Self {
             width: stretch(metres),

@@ -67,7 +67,7 @@ impl Case<'_> {
     fn is_beyond_range(&self, pixel: usize) -> bool {
         let depth = |at: usize| {
             let facet = self.surface.facets[at].as_ref()?;
-            Some(facet.position.dot(self.surface.forward))
+            Some(facet.position.dot(self.surface.view.forward()))
         };
         let end = self.plan.and_then(|plan| plan.shadow_distance);
         end.is_some_and(|end| depth(pixel).is_some_and(|depth| depth > end))

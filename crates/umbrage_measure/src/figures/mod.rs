@@ -56,9 +56,7 @@ pub fn figures(
     let surface = Surface::new(scene, sight)?;
     let mut pool = Pool::default();
     for sample in samples {
-        pool.add(scene, &surface, sample, |pixel| {
-            is_compared(sight, raster, pixel)
-        });
+        pool.add(&surface, sample, |pixel| is_compared(sight, raster, pixel));
     }
     Ok(pool.figures())
 }
@@ -165,13 +163,7 @@ struct Pool {
 }
 
 impl Pool {
-    fn add(
-        &mut self,
-        scene: &Scene,
-        surface: &Surface,
-        sample: &Sample<'_>,
-        is_compared: impl Fn(usize) -> bool,
-    ) {
+    fn add(&mut self, surface: &Surface, sample: &Sample<'_>, is_compared: impl Fn(usize) -> bool) {
         self.counts.bad_pixels += bad_pixels(sample.rendered);
         let reached = sample.truth.iter().filter(|truth| truth.is_some()).count();
         // Compared samples alone, from here on.
@@ -191,18 +183,17 @@ impl Pool {
         self.counts.left_out += (reached - compared) as u64;
 
         let texels = match sample.plan {
-            Some(plan) => texels(surface, scene, sample.light, plan),
+            Some(plan) => texels(surface, sample.light, plan),
             None => vec![None; truth.len()],
         };
         let seen = texels.iter().zip(&truth).filter(|(_, t)| t.is_some());
         self.aliases
             .extend(seen.filter_map(|(texel, _)| texel.as_ref()?.alias));
-        self.add_edges_and_causes(scene, surface, sample, &truth, &texels);
+        self.add_edges_and_causes(surface, sample, &truth, &texels);
     }
 
     fn add_edges_and_causes(
         &mut self,
-        scene: &Scene,
         surface: &Surface,
         sample: &Sample<'_>,
         truth: &[Option<f32>],
@@ -226,7 +217,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
-            turned_away: &surface.turned_away(scene, sample.light),
+            turned_away: &surface.turned_away(sample.light),
             texels,
             true_edges: &true_edges,
             plan: sample.plan,

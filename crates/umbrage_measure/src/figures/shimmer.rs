@@ -68,8 +68,6 @@ pub fn shimmer(frames: &[Frame<'_>]) -> Result<Option<f64>, FigureError> {
 /// A frame, prepared.
 struct Still<'a> {
     surface: Surface,
-    /// The camera; metres.
-    origin: DVec3,
     frame: &'a Frame<'a>,
 }
 
@@ -101,7 +99,6 @@ impl<'a> Still<'a> {
         }
         Ok(Self {
             surface: Surface::new(frame.scene, frame.sight)?,
-            origin: frame.scene.camera.position,
             frame,
         })
     }
@@ -109,7 +106,7 @@ impl<'a> Still<'a> {
     /// The share that flips until the next frame; none where no sample is known in both.
     fn flips_until(&self, next: &Still<'_>) -> Option<f64> {
         // Of two large numbers, before anything is rounded.
-        let moved = self.origin - next.origin;
+        let moved = self.surface.view.position - next.surface.view.position;
         let pixels = self.surface.facets.par_iter().enumerate();
         let flips = pixels
             .filter_map(|(pixel, facet)| {

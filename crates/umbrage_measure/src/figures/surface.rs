@@ -4,7 +4,7 @@ use glam::{DMat2, DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 use umbrage_render::Scene;
 
-use umbrage_shadow::Light;
+use umbrage_shadow::{Light, View};
 
 use super::FigureError;
 use crate::truth::{Seen, Sight, lamp::Lamp};
@@ -17,16 +17,18 @@ pub(super) struct Surface {
     pub(super) facets: Vec<Option<Facet>>,
     /// The picture.
     pub(super) picture: Cells,
-    /// Unit: the way that the camera looks.
-    pub(super) forward: DVec3,
+    /// What it is drawn from: positions are relative to it.
+    pub(super) view: View,
 }
 
 /// The plane of the triangle that a pixel sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     pub(super) object: u32,
-    /// Metres, world axes, relative to the camera.
+    /// Metres, world axes, relative to the view.
     pub(super) position: DVec3,
+    /// Unit, towards the viewer.
+    pub(super) to_viewer: DVec3,
     /// Unit, on the viewer's side.
     pub(super) normal: DVec3,
     /// How wide the pixel is there, across the line of sight; metres.
@@ -42,12 +44,12 @@ pub(super) struct Cells {
 
 impl Surface {
     pub(super) fn new(scene: &Scene, sight: &Sight) -> Result<Self, FigureError> {
-        let view = scene.camera.view(sight.width(), sight.height());
+        let view = scene.view(sight.width(), sight.height());
         view.validate().map_err(FigureError::Camera)?;
         let size = DVec2::new(f64::from(sight.width()), f64::from(sight.height()));
         let picture = Cells::new(view.view_proj_relative(), size);
         let facet = |seen: &Option<Seen>| {
-            let facet = |seen: &Seen| Facet::new(scene, seen, &picture);
+            let facet = |seen: &Seen| Facet::new(scene, seen, &view, &picture);
             seen.as_ref().map(facet).transpose()
         };
         Ok(Self {
@@ -58,14 +60,14 @@ impl Surface {
                 .par_iter()
                 .map(facet)
                 .collect::<Result<_, _>>()?,
-            forward: view.forward(),
             picture,
+            view,
         })
     }
 
     /// Whether the light, were it to arrive, would come from behind the side that is seen.
-    pub(super) fn turned_away(&self, scene: &Scene, light: &Light) -> Vec<bool> {
-        let lamp = Lamp::new(&light.kind, scene.camera.position);
+    pub(super) fn turned_away(&self, light: &Light) -> Vec<bool> {
+        let lamp = Lamp::new(&light.kind, self.view.position);
         let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).direction) < 0.0;
         let facets = self.facets.iter();
         facets
@@ -98,21 +100,23 @@ impl Surface {
 }
 
 impl Facet {
-    fn new(scene: &Scene, seen: &Seen, picture: &Cells) -> Result<Self, FigureError> {
-        let to_viewer = -seen.position.normalize_or_zero();
-        let normal = plane_normal(scene, seen).ok_or(FigureError::ForeignSight {
+    fn new(scene: &Scene, seen: &Seen, view: &View, picture: &Cells) -> Result<Self, FigureError> {
+        let position = seen.position + (scene.camera.position - view.position);
+        let to_viewer = -view.sight(position);
+        let normal = plane_normal(scene, seen, to_viewer).ok_or(FigureError::ForeignSight {
             object: seen.object,
             triangle: seen.triangle,
         })?;
         Ok(Self {
             object: seen.object,
-            position: seen.position,
+            position,
+            to_viewer,
             normal: if normal.dot(to_viewer) < 0.0 {
                 -normal
             } else {
                 normal
             },
-            pixel: picture.across(seen.position, to_viewer).width(),
+            pixel: picture.across(position, to_viewer).width(),
         })
     }
 
@@ -129,8 +133,9 @@ impl Facet {
     }
 }
 
-/// The unit normal of what is seen, on either side; none where the scene has no such triangle.
-fn plane_normal(scene: &Scene, seen: &Seen) -> Option<DVec3> {
+/// The unit normal of what is seen, on either side, `to_viewer` where it is no plane; none where the scene has no such
+/// triangle.
+fn plane_normal(scene: &Scene, seen: &Seen, to_viewer: DVec3) -> Option<DVec3> {
     let object = scene.objects.get(seen.object as usize)?;
     let first = 3 * seen.triangle as usize;
     let corner = |i: usize| {
@@ -144,10 +149,7 @@ fn plane_normal(scene: &Scene, seen: &Seen) -> Option<DVec3> {
         let edge = object.transform.matrix3 * edge;
         edge / edge.abs().max_element().max(f64::MIN_POSITIVE)
     });
-    Some(
-        ab.cross(ac)
-            .normalize_or(-seen.position.normalize_or_zero()),
-    )
+    Some(ab.cross(ac).normalize_or(to_viewer))
 }
 
 impl Cells {

@@ -33,6 +33,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use umbrage_render::LeftOut;
 
 use crate::figures::Figures;
 
@@ -76,6 +77,8 @@ pub struct SceneInfo {
     pub lights: usize,
     /// How many triangles all its objects have.
     pub triangles: usize,
+    /// What its models' files say that it does not show.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// A method that cannot draw a scene.

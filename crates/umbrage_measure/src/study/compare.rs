@@ -92,11 +92,15 @@ pub fn compare(
         let mut scene = scene.clone();
         // What is compared is shadows on surfaces: air would hide them, and its maps would have more to hold.
         scene.medium = None;
-        // What the scene chooses for a method is not what the configuration is called.
-        scene
+        // What the scene chooses for a method is not what the configuration is called; which lights cast is the scene's.
+        for shadow in scene
             .lights
             .iter_mut()
-            .for_each(|light| light.shadow = None);
+            .filter_map(|light| light.shadow.as_mut())
+        {
+            shadow.axes.clear();
+            shadow.settings.clear();
+        }
         let mut run = Run {
             lab,
             name,
@@ -122,6 +126,7 @@ fn info(name: &str, scene: &Scene) -> SceneInfo {
         name: name.to_owned(),
         lights: scene.lights.len(),
         triangles: triangles.sum(),
+        left_out: scene.left_out.clone(),
     }
 }
 

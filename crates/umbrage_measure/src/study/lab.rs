@@ -65,8 +65,8 @@ impl Lab {
         &self.adapter
     }
 
-    /// The lights of `scene` that `config` can shadow, by their places, and why it cannot shadow the first
-    /// of the others.
+    /// The lights of `scene` that cast shadows and that `config` can shadow, by their places, and why it cannot shadow the
+    /// first of the others.
     pub(super) fn lights(
         &self,
         scene: &Scene,
@@ -77,7 +77,14 @@ impl Lab {
             .get(&config.method)
             .map_err(StudyError::Method)?;
         let (mut lights, mut refusal) = (Vec::new(), None);
-        for (index, light) in scene.lights.iter().enumerate() {
+        let casting = scene.lights.iter().enumerate();
+        let mut casting = casting
+            .filter(|(_, light)| scene.casts_shadow(light))
+            .peekable();
+        if casting.peek().is_none() {
+            refusal = Some("no light of the scene casts shadows; give one a `shadow`".to_owned());
+        }
+        for (index, light) in casting {
             let supported = match method.supports(&light.light) {
                 Support::Yes => self.excluded(&light.light.kind, config),
                 Support::No(reason) => Some(reason),
@@ -256,9 +263,17 @@ impl Subject<'_> {
         self.raster.get(pixel).copied().flatten() == seen
     }
 
+    /// The places of the lights that cast shadows: what others have cannot be wrong.
+    pub(super) fn casting(&self) -> impl Iterator<Item = usize> {
+        let lights = self.scene.lights.iter().enumerate();
+        let casting = lights.filter(|(_, light)| self.scene.casts_shadow(light));
+        casting.map(|(index, _)| index)
+    }
+
     /// Of `values`, by lights and pixels, those that are compared.
     pub(super) fn compared<T: Copy>(&self, values: &[Vec<T>]) -> impl Iterator<Item = T> {
-        let lights = values.iter().zip(&self.truth.terms);
+        let lights = self.casting();
+        let lights = lights.filter_map(|at| Some((values.get(at)?, self.truth.terms.get(at)?)));
         lights.flat_map(|(values, truth)| {
             let pixels = values.iter().zip(truth).enumerate();
             pixels.filter_map(|(pixel, (value, term))| {
@@ -270,9 +285,10 @@ impl Subject<'_> {
     /// The errors of the shadow terms in `rendered`.
     pub(super) fn figures(&self, rendered: &Rendered) -> Result<Figures, StudyError> {
         let terms = terms(rendered);
-        let samples: Vec<_> = (self.scene.lights.iter().enumerate())
-            .map(|(index, light)| Sample {
-                light: &light.light,
+        let samples: Vec<_> = self
+            .casting()
+            .map(|index| Sample {
+                light: &self.scene.lights[index].light,
                 truth: &self.truth.terms[index],
                 gaps: &self.truth.gaps[index],
                 rendered: terms.get(index).map_or(&[], Vec::as_slice),

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use umbrage_render::{Camera, RenderError, RenderOptions, Rendered, Scene};
+use umbrage_shadow::Field;
 
 use super::{
     Lab, StudyError,
@@ -20,7 +21,8 @@ const STEP: f64 = 0.37;
 pub(super) struct Moving(Vec<(Scene, Truth)>);
 
 /// `frames` cameras: the scene's own, then moved sideways, then turned about the vertical in as many steps,
-/// each by less than a pixel. A pixel is taken as wide as it is at the middle depth of what `sight` sees.
+/// each by less than a pixel. A pixel is taken as wide as it is at the middle depth of what `sight` sees; where rays are
+/// parallel, it is as wide anywhere, and what is farthest from the camera moves most as that turns.
 /// The pictures are `height` pixels high.
 pub(super) fn cameras(scene: &Scene, sight: &Sight, height: u32, frames: usize) -> Vec<Camera> {
     let own = scene.camera;
@@ -29,17 +31,30 @@ pub(super) fn cameras(scene: &Scene, sight: &Sight, height: u32, frames: usize) 
         .map(|seen| seen.position.dot(rotation * DVec3::NEG_Z))
         .collect();
     depths.sort_by(f64::total_cmp);
-    let depth = depths.get(depths.len() / 2).copied().unwrap_or(own.near);
-    // Radians a pixel, in the picture's middle.
-    let pixel = 2.0 * (0.5 * own.fov_y).tan() / f64::from(height);
+    // Metres a pixel, and radians, in the picture's middle.
+    let (step, turn) = match own.field {
+        Field::Perspective { fov_y } => {
+            let depth = depths.get(depths.len() / 2).copied().unwrap_or(own.near);
+            let pixel = 2.0 * (0.5 * fov_y).tan() / f64::from(height);
+            (pixel * depth, pixel)
+        }
+        Field::Orthographic { height: tall } => {
+            let pixel = tall / f64::from(height);
+            let ends = depths.first().into_iter().chain(depths.last());
+            // Seen from straight above it turns the picture, whose corners move most.
+            let corner = 0.5 * pixel * f64::from(sight.width()).hypot(f64::from(sight.height()));
+            let farthest = ends.fold(corner, |far, depth| far.max(depth.abs()));
+            (pixel, pixel / farthest)
+        }
+    };
     let moves = frames.div_ceil(2);
     (0..frames)
         .map(|frame| {
             let moved = frame.min(moves) as f64;
             let turned = frame.saturating_sub(moves) as f64;
             Camera {
-                position: own.position + rotation * DVec3::X * (STEP * pixel * depth * moved),
-                rotation: DQuat::from_rotation_y(STEP * pixel * turned) * rotation,
+                position: own.position + rotation * DVec3::X * (STEP * step * moved),
+                rotation: DQuat::from_rotation_y(STEP * turn * turned) * rotation,
                 ..own
             }
         })
@@ -109,8 +124,14 @@ pub(super) fn shimmer_between(
             scene: subject.scene,
             sight: &subject.truth.sight,
             raster: &subject.raster,
-            lights: (subject.truth.terms.iter().zip(terms(rendered)))
-                .map(|(truth, rendered)| Terms { truth, rendered })
+            lights: subject
+                .casting()
+                .filter_map(|light| {
+                    Some(Terms {
+                        truth: subject.truth.terms.get(light)?,
+                        rendered: terms(rendered).get(light)?,
+                    })
+                })
                 .collect(),
         })
         .collect();

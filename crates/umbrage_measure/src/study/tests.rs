@@ -78,7 +78,7 @@ fn a_motion_goes_aside_and_then_turns_by_less_than_a_pixel() {
     let found = cameras(&scene, &truth.sight, SIZE.1, 9);
     assert_eq!(found.len(), 9);
     assert_eq!(found[0].position, scene.camera.position);
-    let pixel = 2.0 * (0.5 * scene.camera.fov_y).tan() / f64::from(SIZE.1);
+    let pixel = scene.view(SIZE.0, SIZE.1).projection.size_at(1.0).y / f64::from(SIZE.1);
     let mut kinds = Vec::new();
     for pair in found.windows(2) {
         let moved = pair[0].position.distance(pair[1].position);

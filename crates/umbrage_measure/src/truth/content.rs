@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::DVec3;
 use umbrage_render::{Material, Mesh, Scene, Texture, Wrap};
-use umbrage_shadow::LightKind;
+use umbrage_shadow::{Field, LightKind};
 
 use super::Source;
 
@@ -19,7 +19,7 @@ const CODE: [&str; 6] = [
 ];
 
 /// The hash of what decides the truth of `scene` in a picture of the given size, as hexadecimal digits.
-/// Colours, names and shadow methods decide nothing.
+/// Colours but for their opacity, names and shadow methods decide nothing, but for whether a light casts shadows.
 pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> String {
     let mut hash = Hash::default();
     CODE.iter().for_each(|code| hash.bytes(code.as_bytes()));
@@ -28,10 +28,16 @@ pub(super) fn content(scene: &Scene, size: (u32, u32), sources: &[Source]) -> St
     let camera = &scene.camera;
     hash.point(camera.position);
     hash.floats(&camera.rotation.to_array());
-    hash.floats(&[camera.fov_y, camera.near, camera.far]);
+    let (kind, across) = match camera.field {
+        Field::Perspective { fov_y } => (0, fov_y),
+        Field::Orthographic { height } => (1, height),
+    };
+    hash.number(kind);
+    hash.floats(&[across, camera.near, camera.far]);
     hash.number(scene.lights.len() as u32);
     for (index, light) in scene.lights.iter().enumerate() {
         hash.light(&light.light.kind);
+        hash.number(u32::from(scene.casts_shadow(light)));
         match sources.get(index).copied().unwrap_or_default() {
             Source::Sharp => hash.number(0),
             Source::Round { size, strata } => {
@@ -135,6 +141,10 @@ impl Hash {
         self.number(mesh.uvs.len() as u32);
         for number in mesh.uvs.iter().flat_map(|uv| uv.to_array()) {
             self.0.update(&number.to_le_bytes());
+        }
+        self.number(mesh.colors.len() as u32);
+        for color in &mesh.colors {
+            self.float(color.w.into());
         }
         self.number(mesh.indices.len() as u32);
         mesh.indices.iter().for_each(|index| self.number(*index));

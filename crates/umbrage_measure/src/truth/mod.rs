@@ -10,11 +10,11 @@ mod record;
 pub(crate) mod tests;
 mod triangles;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_render::Scene;
-use umbrage_shadow::{Light, View};
+use umbrage_shadow::{Field, Light, Projection, View};
 
 pub use self::{
     error::TruthError,
@@ -35,6 +35,8 @@ pub const MOST_STRATA: u32 = 64;
 pub struct Tracer {
     triangles: Triangles,
     lights: Vec<Light>,
+    /// Whether each casts shadows.
+    casts: Vec<bool>,
     camera: umbrage_render::Camera,
 }
 
@@ -117,6 +119,9 @@ impl Tracer {
         Ok(Self {
             triangles: Triangles::new(scene, scene.camera.position)?,
             lights,
+            casts: (scene.lights.iter())
+                .map(|light| scene.casts_shadow(light))
+                .collect(),
             camera: scene.camera,
         })
     }
@@ -158,8 +163,8 @@ impl Tracer {
         })
     }
 
-    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, 0 in
-    /// shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
+    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, or anywhere of a light that
+    /// [casts no shadows](Scene::casts_shadow), 0 in shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
     /// `on_row` is called after each
     /// row, from any thread.
     ///
@@ -178,8 +183,9 @@ impl Tracer {
         {
             return Err(TruthError::Source { size, strata });
         }
-        self.each(sight, on_row, |seen, pixel| {
-            self.term(seen, &lamp, source, pixel)
+        self.each(sight, on_row, |seen, pixel| match self.casts[light] {
+            true => self.term(seen, &lamp, source, pixel),
+            false => lamp.reaches(seen.position).then_some(1.0),
         })
     }
 
@@ -198,6 +204,9 @@ impl Tracer {
     ) -> Result<Vec<Option<f64>>, TruthError> {
         let lamp = self.lamp(light)?;
         self.each(sight, on_row, |seen, _| {
+            if !self.casts[light] {
+                return None;
+            }
             let (ray, own) = self.leave(seen, &lamp)?;
             let aim = lamp.middle(seen.position);
             if self.triangles.runs_along(own, aim.direction) {
@@ -263,22 +272,30 @@ impl Tracer {
 
     /// What is seen at a place in the picture: from −1 to 1, right and down.
     fn see(&self, view: &View, across: f64, down: f64) -> Option<Seen> {
-        let projection = &view.projection;
-        let slope = (0.5 * projection.fov_y).tan();
-        let direction = DVec3::new(across * slope * projection.aspect, -down * slope, -1.0);
-        // One length of it is one metre of depth, which is what near and far are given in.
-        let eye = Place {
-            at: DVec3::ZERO,
-            error: 0.0,
+        let Projection { near, far, .. } = view.projection;
+        let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(across, -down);
+        let turn = |v: DVec3| view.rotation.normalize() * v;
+        // One length of a ray is one metre of depth, which is what near and far are given in.
+        let ray = |at: DVec3, direction: DVec3| {
+            let direction = turn(direction);
+            let aim = Aim {
+                direction,
+                end: None,
+            };
+            Ray::new(Place { at, error: 0.0 }, aim)
         };
-        let aim = Aim {
-            direction: view.rotation.normalize() * direction,
-            end: None,
+        let found = match view.projection.field {
+            Field::Perspective { .. } => {
+                let ray = ray(DVec3::ZERO, aside.extend(-1.0));
+                self.triangles.nearest(&ray, near, far)
+            }
+            Field::Orthographic { .. } => {
+                let start = view.position - self.camera.position + turn(aside.extend(-near));
+                let ray = ray(start, DVec3::NEG_Z);
+                self.triangles.nearest(&ray, 0.0, far - near)
+            }
         };
-        let ray = Ray::new(eye, aim);
-        let (triangle, position) = self
-            .triangles
-            .nearest(&ray, projection.near, projection.far)?;
+        let (triangle, position) = found?;
         let (object, triangle) = self.triangles.owner(triangle);
         Some(Seen {
             object,

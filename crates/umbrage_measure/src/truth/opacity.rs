@@ -1,16 +1,17 @@
 //! What of a surface is there.
 
-use glam::{DVec2, Vec2};
+use glam::DVec2;
 use umbrage_render::{Level, Material, Texture, Wrap};
 
-/// Whether the material has a surface at the texture coordinates.
-pub(super) fn is_solid(material: &Material, uv: impl FnOnce() -> Vec2) -> bool {
+/// Whether the material has a surface where the mesh has these texture coordinates and this opacity.
+pub(super) fn is_solid(material: &Material, at: impl FnOnce() -> (DVec2, f64)) -> bool {
     let Some(cutoff) = material.alpha_cutoff else {
         return true;
     };
+    let (uv, opacity) = at();
     let texture = material.base_color_texture.as_ref();
-    let texel = texture.map_or(1.0, |texture| sample(texture, uv().as_dvec2()));
-    f64::from(material.base_color.w) * texel >= f64::from(cutoff)
+    let texel = texture.map_or(1.0, |texture| sample(texture, uv));
+    f64::from(material.base_color.w) * texel * opacity >= f64::from(cutoff)
 }
 
 /// The texture's opacity in full resolution; 1 of a texture without texels.
@@ -99,8 +100,9 @@ mod tests {
             base_color_texture: Some(texture),
             ..Material::plain("lambert")
         };
-        let solid = |material: &Material, u| is_solid(material, || Vec2::new(u, 0.5));
+        let solid = |material: &Material, u| is_solid(material, || (DVec2::new(u, 0.5), 1.0));
         assert!(solid(&material, 0.25) && !solid(&material, 0.75));
+        assert!(!is_solid(&material, || (DVec2::new(0.25, 0.5), 0.49)));
         material.base_color.w = 0.4;
         assert!(!solid(&material, 0.25));
         material.alpha_cutoff = None;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3, Vec2};
+use glam::{DMat3, DVec2, DVec3};
 use parry3d_f64::{
     bounding_volume::Aabb,
     math::Vector,
@@ -243,16 +243,15 @@ impl Triangles {
     fn is_solid(&self, triangle: u32, meeting: &Meeting) -> bool {
         let part = &self.objects[self.owner(triangle).0 as usize];
         is_solid(&part.material, || {
-            let corners = self.corners[triangle as usize];
-            let uv = |corner: u32| {
-                let uv = part.mesh.uvs.get((corner - part.first_vertex) as usize);
-                uv.copied().unwrap_or_default()
-            };
-            let shares = meeting.shares.map(|share| share as f32);
-            corners
-                .iter()
-                .zip(shares)
-                .fold(Vec2::ZERO, |sum, (corner, share)| sum + share * uv(*corner))
+            let vertices =
+                self.corners[triangle as usize].map(|corner| (corner - part.first_vertex) as usize);
+            let corners = vertices.into_iter().zip(meeting.shares);
+            corners.fold((DVec2::ZERO, 0.0), |(uv, opacity), (vertex, share)| {
+                let own = part.mesh.uvs.get(vertex).copied().unwrap_or_default();
+                let color = part.mesh.colors.get(vertex);
+                let own_opacity = color.map_or(1.0, |color| f64::from(color.w));
+                (uv + share * own.as_dvec2(), opacity + share * own_opacity)
+            })
         })
     }
 }

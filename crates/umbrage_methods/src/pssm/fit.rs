@@ -2,7 +2,8 @@
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
-    Extent, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap, split_depths,
+    Extent, Field, Frame, Frustum, Lens, PlanError, Projection, Rect, Setting, View, overlap,
+    split_depths,
 };
 
 use super::Lookup;
@@ -89,8 +90,12 @@ impl Job {
             boxes: Boxes::new(frame),
             view: frame.view.clone(),
             splits: setting("splits") as usize,
-            lambda: setting("lambda"),
-            shadow_distance: (distance > 0.0).then_some(distance),
+            lambda: match frame.view.projection.field {
+                Field::Perspective { .. } => setting("lambda"),
+                // Pixels are as large at all depths.
+                Field::Orthographic { .. } => 0.0,
+            },
+            shadow_distance: (distance > 0.0).then_some(frame.view.eye + distance),
             tile: setting("resolution") as u32,
             depth_bias: reading.depth_bias(setting("depth_bias"), setting("resolution") as u32),
             band: setting("band"),
@@ -240,17 +245,23 @@ impl Job {
         if near > far {
             return None;
         }
-        let (near, far) = if self.stable {
-            (near.log2().floor().exp2(), far.log2().ceil().exp2())
-        } else {
-            (near, far)
+        let [near, far] = match self.view.projection.field {
+            _ if !self.stable => [near.max(least), far.min(most)],
+            Field::Perspective { .. } => [
+                near.log2().floor().exp2().max(least),
+                far.log2().ceil().exp2().min(most),
+            ],
+            Field::Orthographic { height } => {
+                let length = (far - near).max(height / 64.0);
+                steady(near, length, self.view.eye)
+            }
         };
-        let near = near.max(least) * (1.0 - PADDING);
-        let far = far.min(most) * (1.0 + PADDING);
+        let near = near - PADDING * near.abs();
+        let far = far + PADDING * far.abs();
         let far = self
             .shadow_distance
             .map_or(far, |distance| far.min(distance));
-        (near < far * (1.0 - PADDING)).then_some([near, far])
+        (near < far - PADDING * far.abs()).then_some([near, far])
     }
 
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
@@ -270,9 +281,7 @@ impl Job {
         least: f64,
         inner: f64,
     ) -> Rect {
-        let projection = self.view.projection;
-        let up = (0.5 * projection.fov_y).tan();
-        let (middle, radius) = sphere(near, far, up * up * (1.0 + projection.aspect.powi(2)));
+        let (middle, radius) = sphere(&self.view.projection, near, far);
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.boxes.origin);
         let (center, _) = lens.place(middle * self.view.forward());
@@ -376,12 +385,22 @@ fn stable_texel(size: f64, least: f64, inner: f64) -> f64 {
     (size / (inner - 1.0)).max(least.log2().ceil().exp2())
 }
 
-/// How far along the camera's axis the middle of the smallest ball lies that holds the part of its frustum from `near`
-/// to `far` (metres), and its radius. `spread` is the square of the tangent of the angle between the axis and the
-/// frustum's edges.
-fn sphere(near: f64, far: f64, spread: f64) -> (f64, f64) {
-    // As far from the near corners as from the far ones, unless that is beyond the far plane.
-    let middle = (0.5 * (near + far) * (1.0 + spread)).min(far);
-    let to = |depth: f64| (middle - depth).powi(2) + depth * depth * spread;
+/// The range of an orthographic view from the depth `near` on, rounded outwards so that it seldom changes: to a length of
+/// two to the octave, whose ends are multiples of its eighth from where the camera stands.
+fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
+    let length = rounded_up(length * 8.0 / 7.0, 2.0);
+    let step = length / 8.0;
+    let near = ((near - eye) / step).floor() * step + eye;
+    [near, near + length]
+}
+
+/// How far along the camera's axis the middle of the smallest ball lies that holds what it sees from `near` to `far`
+/// (view depths, metres), and its radius.
+fn sphere(projection: &Projection, near: f64, far: f64) -> (f64, f64) {
+    // The squares of half the diagonal at the two ends; they are as far from the middle unless that is beyond the far one.
+    let across = |depth: f64| 0.25 * projection.size_at(depth).length_squared();
+    let apart = 0.5 * (across(far) - across(near)) / (far - near);
+    let middle = (0.5 * (near + far) + apart).min(far);
+    let to = |depth: f64| (middle - depth).powi(2) + across(depth);
     (middle, to(near).max(to(far)).sqrt())
 }

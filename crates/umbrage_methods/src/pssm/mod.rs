@@ -10,6 +10,9 @@
 //! receivers and the light, with the near plane at the nearest of them. Of a spot light the maps are crops of
 //! the light's own perspective, before its division.
 //!
+//! An orthographic view is split evenly, whatever `lambda` is: its pixels are as large at all depths. `stable` splits of it
+//! have one grid of texels, so that no shadow tells where they meet; `shadow_distance` counts from where its camera stands.
+//!
 //! All maps are tiles of one atlas. What a map is read for ends a filter's reach before the tile's edge, and
 //! fetches are clamped to the tile besides.
 //!
@@ -108,7 +111,7 @@ const SETTINGS: [Setting; 7] = [
     },
     Setting {
         name: "lambda",
-        doc: "from splits of equal lengths (0) to splits of equal ratios (1)",
+        doc: "from splits of equal lengths (0) to splits of equal ratios (1); an orthographic view's have equal lengths",
         min: 0.0,
         max: 1.0,
         default: 1.0,

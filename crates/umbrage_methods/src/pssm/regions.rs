@@ -19,8 +19,8 @@ pub(super) fn of(job: &Job, splits: &Splits) -> Vec<Region> {
             end
         };
         let axes = own_axes(job, number);
-        // A band may be as long as its split.
-        if band > start {
+        // A band may be as long as its split. Nothing is seen behind the view.
+        if band > start.max(0.0) {
             regions.push(Region { end: band, axes });
         }
         if passes {

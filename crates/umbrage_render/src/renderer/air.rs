@@ -1,7 +1,7 @@
 //! A scene's air, where it is a medium: it dims what is seen, and scatters light on the way to the eye.
 
 use glam::{DVec3, Vec2, Vec3};
-use umbrage_shadow::{Aabb, Constants, LightKind, Value, View};
+use umbrage_shadow::{Aabb, Constants, Field, LightKind, Value, View};
 
 use super::{
     RenderOptions, Renderer, Shot,
@@ -68,7 +68,12 @@ pub(super) fn constants(
     options: &RenderOptions,
 ) -> Constants {
     let (near, far) = (view.projection.near, view.projection.far);
-    let depth_terms = Vec2::new((1.0 / far) as f32, (1.0 / near - 1.0 / far) as f32);
+    // At depth 0 and at depth 1.
+    let ends = match view.projection.field {
+        Field::Perspective { .. } => [1.0 / far, 1.0 / near],
+        Field::Orthographic { .. } => [far, near],
+    };
+    let depth_terms = Vec2::new(ends[0] as f32, (ends[1] - ends[0]) as f32);
     let number = |value: f64| Value::F32(value as f32);
     rays.with("depth_terms", Value::Vec2(depth_terms))
         .with("scattering", number(medium.scattering))

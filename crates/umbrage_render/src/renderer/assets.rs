@@ -13,7 +13,8 @@ use crate::{
 
 /// A mesh on the device.
 pub(super) struct GpuMesh {
-    attributes: [wgpu::Buffer; 3],
+    /// By location; none where the mesh has no such attribute.
+    attributes: [Option<wgpu::Buffer>; 4],
     /// None where the vertices stand in the order in which they are drawn.
     indices: Option<wgpu::Buffer>,
     count: u32,
@@ -22,7 +23,7 @@ pub(super) struct GpuMesh {
 impl GpuMesh {
     /// The buffer of the attribute at `location`.
     pub(super) fn attribute(&self, location: u32) -> Option<&wgpu::Buffer> {
-        self.attributes.get(location as usize)
+        self.attributes.get(location as usize)?.as_ref()
     }
 
     /// Draws `instances` of it with what is set.
@@ -104,7 +105,7 @@ impl Assets {
     /// The meshes' positions, and the pictures.
     pub(super) fn kept(&self) -> (Vec<wgpu::Buffer>, Vec<wgpu::TextureView>) {
         let meshes = self.meshes.values();
-        let meshes = meshes.map(|(_, mesh)| mesh.attributes[0].clone());
+        let meshes = meshes.filter_map(|(_, mesh)| mesh.attributes[0].clone());
         let images = self.images.values().map(|(_, view)| view.clone());
         (meshes.collect(), images.collect())
     }
@@ -129,6 +130,7 @@ fn check_mesh(object: &Object) -> Result<(), RenderError> {
     };
     fits("normals", mesh.normals.len() == vertices)?;
     fits("texture coordinates", mesh.uvs.len() == vertices)?;
+    fits("colours", [0, vertices].contains(&mesh.colors.len()))?;
     fits(
         "indices",
         mesh.indices
@@ -142,7 +144,12 @@ fn check_mesh(object: &Object) -> Result<(), RenderError> {
 fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh, RenderError> {
     let mesh = &object.mesh;
     let what = format!("the mesh of object `{}`", object.name);
-    let vertex = |bytes| gpu.buffer(&what, wgpu::BufferUsages::VERTEX, bytes);
+    let vertex = |bytes: &[u8]| match bytes.is_empty() {
+        true => Ok(None),
+        false => gpu
+            .buffer(&what, wgpu::BufferUsages::VERTEX, bytes)
+            .map(Some),
+    };
     let count = mesh.indices.len() as u32;
     match vertices {
         Vertices::Shared => Ok(GpuMesh {
@@ -150,6 +157,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
                 vertex(bytemuck::cast_slice(&mesh.positions))?,
                 vertex(bytemuck::cast_slice(&mesh.normals))?,
                 vertex(bytemuck::cast_slice(&mesh.uvs))?,
+                vertex(bytemuck::cast_slice(&mesh.colors))?,
             ],
             indices: Some(gpu.buffer(
                 &what,
@@ -163,6 +171,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
                 vertex(bytemuck::cast_slice(&own(mesh, &mesh.positions)))?,
                 vertex(bytemuck::cast_slice(&own(mesh, &mesh.normals)))?,
                 vertex(bytemuck::cast_slice(&own(mesh, &mesh.uvs)))?,
+                vertex(bytemuck::cast_slice(&own(mesh, &mesh.colors)))?,
             ],
             indices: None,
             count,

@@ -20,7 +20,10 @@ use super::{
     resources::{ShadowResources, TextureId},
     timer::Timer,
 };
-use crate::{PermutationUse, RenderError, Report, scene::Material};
+use crate::{
+    PermutationUse, RenderError, Report,
+    scene::{Material, Object},
+};
 
 /// What is being rendered, and what has been found out on the way.
 pub(super) struct FrameState<'a> {
@@ -41,6 +44,8 @@ pub(super) struct FrameState<'a> {
     pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
+    /// Whether the camera's rays are parallel.
+    orthographic: bool,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
@@ -100,6 +105,7 @@ impl<'a> FrameState<'a> {
         encoder: wgpu::CommandEncoder,
         timer: Timer,
         rays: Constants,
+        orthographic: bool,
     ) -> Self {
         Self {
             planes: None,
@@ -107,6 +113,7 @@ impl<'a> FrameState<'a> {
             depths: None,
             seen: None,
             rays,
+            orthographic,
             options,
             objects,
             encoder,
@@ -163,7 +170,7 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, &object.name, Some(&object.material))?;
+            let permutation = self.compose(frame, inputs, &object.name, Some(object))?;
             let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.program.groups.len() {
@@ -224,18 +231,19 @@ impl Renderer {
         })
     }
 
-    /// The permutation that what is called `cause` needs in this pass, for a material where it is one's,
+    /// The permutation that what is called `cause` needs in this pass, for an object where it is one's,
     /// composed on first need.
     pub(super) fn compose(
         &self,
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         cause: &str,
-        material: Option<&Material>,
+        object: Option<&Object>,
     ) -> Result<Arc<Permutation>, RenderError> {
         let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
-        let key = lights::key(library, frame.options, inputs.pass, light, material)?;
+        let view = (frame.options, frame.orthographic);
+        let key = lights::key(library, view, inputs.pass, light, object)?;
         if let Some(known) = frame.composed.get(&key) {
             return Ok(Arc::clone(known));
         }

@@ -11,7 +11,7 @@ use umbrage_shadow::{
 use super::{RenderOptions, draw::Term};
 use crate::{
     RenderError,
-    scene::{Material, Scene, SceneLight, Shadow, look_along},
+    scene::{Object, Scene, SceneLight, Shadow, look_along},
 };
 
 /// A light with its method, both checked.
@@ -33,7 +33,14 @@ pub(super) struct MethodSetup<'a> {
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
-const OWN_AXES: [&str; 4] = ["pass", "light", "medium", "method"];
+const OWN_AXES: [&str; 6] = [
+    "camera",
+    "pass",
+    "light",
+    "medium",
+    "method",
+    "vertex_color",
+];
 
 /// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
 /// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
@@ -73,13 +80,13 @@ pub(super) fn set_up<'a>(
                 source: fault,
             })?;
         let chosen = match (&options.method, &source.shadow) {
-            (Some(method), _) if method == "none" => None,
+            (Some(method), _) if method == Shadow::NONE || !scene.casts_shadow(source) => None,
             // What a scene chooses for one method means nothing to another.
             (Some(method), shadow) => {
                 let shadow = shadow.as_ref().filter(|shadow| shadow.method == *method);
                 Some((method, shadow.unwrap_or(&none)))
             }
-            (None, Some(shadow)) if shadow.method == "none" => None,
+            (None, Some(shadow)) if shadow.method == Shadow::NONE => None,
             (None, Some(shadow)) => Some((&shadow.method, shadow)),
             (None, None) => None,
         };
@@ -209,22 +216,24 @@ fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
         .unwrap_or_default()
 }
 
-/// The key of a draw in `pass`: of `material`, where objects are drawn; for a light, where the pass is
-/// for one, and by where the light's shadow term comes from.
+/// The key of a draw in `pass`: of `object`, where objects are drawn; for a light, where the pass is
+/// for one, and by where the light's shadow term comes from. With the options comes whether the camera is orthographic.
 pub(super) fn key(
     library: &Library,
-    options: &RenderOptions,
+    (options, orthographic): (&RenderOptions, bool),
     pass: &str,
     light: Option<(&LightSetup<'_>, Term<'_>)>,
-    material: Option<&Material>,
+    object: Option<&Object>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
     let mut choices = BTreeMap::from([("pass", pass)]);
-    if let Some(material) = material {
+    if let Some(object) = object {
+        let material = &object.material;
         let textured = material.base_color_texture.is_some();
         choices.insert("surface", material.surface.as_str());
         choices.insert("alpha_test", switch(material.alpha_cutoff.is_some()));
         choices.insert("base_color_texture", switch(textured));
+        choices.insert("vertex_color", switch(!object.mesh.colors.is_empty()));
     }
     choices.extend(
         options
@@ -232,6 +241,9 @@ pub(super) fn key(
             .iter()
             .map(|(axis, value)| (axis.as_str(), value.as_str())),
     );
+    if orthographic {
+        choices.insert("camera", "orthographic");
+    }
     let (light, term) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.

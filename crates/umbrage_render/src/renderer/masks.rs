@@ -54,10 +54,12 @@ pub(super) struct MaskPass<'a> {
 
 /// The members of the shader's block `rays`.
 pub(super) fn rays(view: &View, options: &RenderOptions) -> Constants {
-    let (width, height) = (f64::from(options.width), f64::from(options.height));
-    // A pixel's side, 1 m before the camera.
-    let tall = 2.0 * (0.5 * view.projection.fov_y).tan() / height;
-    let wide = tall * view.projection.aspect * height / width;
+    // A pixel's sides, 1 m before the camera.
+    let seen = view.projection.size_at(1.0);
+    let (wide, tall) = (
+        seen.x / f64::from(options.width),
+        seen.y / f64::from(options.height),
+    );
     let vector = |v: DVec3| Value::Vec3((view.rotation * v).as_vec3());
     let middle = Vec2::new(options.width as f32, options.height as f32) * 0.5;
     Constants::new()
@@ -221,7 +223,8 @@ fn area(view: &View, size: [u32; 2], boxes: impl Iterator<Item = Aabb>) -> [u32;
     let mut around = None;
     for corner in boxes.flat_map(|b| b.translate(-view.position).corners()) {
         let at = clip * corner.extend(1.0);
-        if at.w < view.projection.near {
+        // Before the near plane, where a perspective has none.
+        if at.z > at.w {
             return [0, 0, size[0], size[1]];
         }
         let place = glam::DVec2::new(at.w + at.x, at.w - at.y) / (2.0 * at.w) * extent;
@@ -245,7 +248,7 @@ fn area(view: &View, size: [u32; 2], boxes: impl Iterator<Item = Aabb>) -> [u32;
 #[cfg(test)]
 mod tests {
     use glam::DQuat;
-    use umbrage_shadow::Projection;
+    use umbrage_shadow::{Field, Projection};
 
     use super::*;
 
@@ -254,11 +257,12 @@ mod tests {
             position: DVec3::new(1e6, 20.0, -3.0),
             rotation: DQuat::from_euler(glam::EulerRot::YXZ, 0.7, -0.4, 0.2),
             projection: Projection {
-                fov_y: 0.9,
+                field: Field::Perspective { fov_y: 0.9 },
                 aspect: 1.6,
                 near: 0.1,
                 far: 300.0,
             },
+            eye: 0.0,
         }
     }
 

@@ -62,7 +62,8 @@ pub struct RenderOptions {
     pub height: u32,
     /// What the picture shows.
     pub what: What,
-    /// A shadow method for all lights in place of the scene's; `none` takes all shadows away.
+    /// A shadow method for all lights that [cast shadows](Scene::casts_shadow), in place of the scene's; `none` takes all
+    /// shadows away.
     pub method: Option<String>,
     /// Values for axes of the shader library, put in place of the scene's wherever a permutation has
     /// the axis. An axis that is turned on without its texture reads white.
@@ -225,7 +226,7 @@ impl Renderer {
         let registry = self.registry.clone();
         let library = self.composer.library();
         let lights = lights::set_up(scene, options, &registry, library)?;
-        let view = scene.camera.view(options.width, options.height);
+        let view = scene.view(options.width, options.height);
         check(scene, &view)?;
         let rays = masks::rays(&view, options);
         let rays = match &scene.medium {
@@ -255,6 +256,7 @@ impl Renderer {
             encoder,
             Timer::new(&self.gpu, options.timed),
             rays,
+            shot.view.projection.is_orthographic(),
         );
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,

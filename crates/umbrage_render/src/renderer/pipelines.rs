@@ -262,6 +262,7 @@ fn attributes(vertex: Option<&EntryPoint>) -> Vec<wgpu::VertexAttribute> {
     let format = |location| match location {
         0 | 1 => Some(wgpu::VertexFormat::Float32x3),
         2 => Some(wgpu::VertexFormat::Float32x2),
+        3 => Some(wgpu::VertexFormat::Float32x4),
         _ => None,
     };
     inputs

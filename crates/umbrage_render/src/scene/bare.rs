@@ -1,18 +1,30 @@
-//! A model without a scene: it gets a ground, a camera and a sun that fit it.
+//! A model without a scene: it gets a ground that fits it, and what it does not bring itself of a camera and of
+//! lights.
 
 use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, LightKind};
+use umbrage_shadow::{Aabb, Field, Light, LightKind};
 
 use super::{
-    Camera, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, file::look_along, model,
+    Camera, LeftOut, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Staging,
+    file::look_along,
+    model::{self, Eye},
+    own_lights::{BRIGHT, own_lights},
 };
 
-/// Loads the model at `path`.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+/// How far below a model its ground lies, as a share of the radius: a quarter of a pixel in the picture of 720 rows that
+/// its camera takes, and hundreds of times what f32 depths and positions are off there. So a floor of the model's own
+/// hides the ground under it, instead of fighting with it for each pixel.
+const SUNK: f64 = 1e-3;
+/// How long a ground's sides are, in radii.
+const GROUND: f64 = 12.0;
+
+/// Loads the model at `path`, with a ground and a sun where `staging` asks for them.
+pub(super) fn load(path: &Path, staging: Staging) -> Result<Scene, SceneError> {
+    let model = model::load(path, false)?;
     let mut objects = Vec::new();
-    for part in model::load(path)? {
+    for part in model.parts {
         let object = Object::place(part.name, part.mesh, part.material, part.transform);
         let remedy = "mend the model and export it again";
         objects
@@ -39,27 +51,55 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
             remedy,
         ));
     }
-    objects.push(ground(path, &bounds, centre, radius)?);
+    let lights = match model.lamps.is_empty() {
+        true => staging.sun.then(sun).into_iter().collect(),
+        false => own_lights(model.lamps, &objects),
+    };
+    let own = own_camera(&model.eyes, &bounds, radius);
+    let camera = own.unwrap_or_else(|| camera(centre, radius));
+    let others = model.eyes.len().saturating_sub(1);
+    let others = LeftOut::new(path, "cameras", others, "the first camera looks");
+    let level = DVec3::new(centre.x, bounds.min.y - SUNK * radius, centre.z);
+    // From below, a ground would hide the model.
+    if staging.ground && camera.position.y > level.y {
+        objects.push(ground(path, level, radius)?);
+    }
     Ok(Scene {
         objects,
-        lights: vec![sun()],
-        camera: camera(centre, radius),
+        lights,
+        camera,
         ambient: Vec3::splat(0.35),
         background: Vec3::new(0.3, 0.4, 0.6),
         medium: None,
+        left_out: model.left_out.into_iter().chain(others).collect(),
     })
 }
 
-fn ground(path: &Path, bounds: &Aabb, centre: DVec3, radius: f64) -> Result<Object, SceneError> {
+/// The first camera that a model with these bounds brings.
+fn own_camera(eyes: &[Eye], bounds: &Aabb, radius: f64) -> Option<Camera> {
+    let eye = eyes.first()?;
+    let away = [bounds.min, bounds.max].map(|corner| (corner - eye.position).abs());
+    let farthest = away[0].max(away[1]).length() + GROUND * radius;
+    Some(Camera {
+        position: eye.position,
+        rotation: eye.rotation,
+        field: eye.field,
+        near: eye.near,
+        // Without an end it sees all that there is.
+        far: eye.far.unwrap_or(2.0 * farthest.max(eye.near)),
+    })
+}
+
+fn ground(path: &Path, middle: DVec3, radius: f64) -> Result<Object, SceneError> {
     let mesh = Mesh::plane(Vec2::ONE, Vec2::ONE);
     let material = Material {
         base_color: Vec4::new(0.45, 0.45, 0.45, 1.0),
         ..Material::plain("lambert")
     };
     let transform = DAffine3::from_scale_rotation_translation(
-        DVec3::new(12.0 * radius, 1.0, 12.0 * radius),
+        DVec3::new(GROUND * radius, 1.0, GROUND * radius),
         glam::DQuat::IDENTITY,
-        DVec3::new(centre.x, bounds.min.y, centre.z),
+        middle,
     );
     Object::place(
         "ground".to_owned(),
@@ -76,7 +116,7 @@ fn sun() -> SceneLight {
         name: "sun".to_owned(),
         light: Light {
             kind: LightKind::Directional { direction },
-            color: Vec3::splat(3.0),
+            color: Vec3::splat(BRIGHT),
         },
         cookie: None,
         shadow: Some(Shadow {
@@ -92,7 +132,9 @@ fn camera(centre: DVec3, radius: f64) -> Camera {
         // At 40 degrees a sphere of this radius fills two thirds of the picture's height.
         position: centre - 3.9 * radius * towards,
         rotation: look_along(towards).unwrap_or_default(),
-        fov_y: 40_f64.to_radians(),
+        field: Field::Perspective {
+            fov_y: 40_f64.to_radians(),
+        },
         near: 0.05 * radius,
         far: 40.0 * radius,
     }

@@ -9,10 +9,10 @@ use std::{
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
 use ron::extensions::Extensions;
 use serde::Deserialize;
-use umbrage_shadow::plain_number;
+use umbrage_shadow::{Field, plain_number};
 
 use super::{
-    Camera, Image, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
+    Camera, Image, LeftOut, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
     error::read,
     file_lights::LightFile,
     model::{self, Part},
@@ -39,16 +39,14 @@ struct CameraFile {
     position: (f64, f64, f64),
     target: Option<(f64, f64, f64)>,
     rotation: Option<RotationFile>,
-    #[serde(default = "default_fov")]
-    fov_degrees: f64,
+    /// Of a perspective camera, which it is unless it has a height.
+    fov_degrees: Option<f64>,
+    /// From the picture's lower to its upper edge, metres.
+    orthographic_height: Option<f64>,
     #[serde(default = "default_near")]
     near: f64,
     #[serde(default = "default_far")]
     far: f64,
-}
-
-fn default_fov() -> f64 {
-    45.0
 }
 
 fn default_near() -> f64 {
@@ -135,7 +133,9 @@ struct MaterialFile {
 /// What scene files share: where they are, and what they have already read.
 pub(super) struct Loader<'a> {
     path: &'a Path,
-    models: BTreeMap<PathBuf, Vec<Part>>,
+    /// Also by whether they get a texture here.
+    models: BTreeMap<(PathBuf, bool), Vec<Part>>,
+    left_out: Vec<LeftOut>,
     images: BTreeMap<PathBuf, Arc<Image>>,
     /// Each once, so that models which look alike are drawn as instances.
     meshes: Vec<Arc<Mesh>>,
@@ -176,6 +176,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let mut loader = Loader {
         path,
         models: BTreeMap::new(),
+        left_out: Vec::new(),
         images: BTreeMap::new(),
         meshes: Vec::new(),
         materials: Vec::new(),
@@ -209,6 +210,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         ambient,
         background,
         medium,
+        left_out: loader.left_out,
     })
 }
 
@@ -318,13 +320,14 @@ impl Loader<'_> {
                 return Err(self.invalid("camera", problem, "give one of the two"));
             }
         };
-        let fov = self.number(
-            "camera.fov_degrees".to_owned(),
-            file.fov_degrees,
-            0.01..=179.0,
-        )?;
-        let near = self.number("camera.near".to_owned(), file.near, 1e-6..=1e12)?;
-        let far = self.number("camera.far".to_owned(), file.far, 1e-6..=1e12)?;
+        let field = self.field(file)?;
+        let nearest = match field {
+            Field::Perspective { .. } => 1e-6,
+            // What lies behind its position is seen as what lies before it.
+            Field::Orthographic { .. } => -1e12,
+        };
+        let near = self.number("camera.near".to_owned(), file.near, nearest..=1e12)?;
+        let far = self.number("camera.far".to_owned(), file.far, nearest..=1e12)?;
         if far <= near {
             let problem = format!("it is {far}, but must lie beyond near, {near}");
             return Err(self.invalid("camera.far", problem, "change one of them"));
@@ -332,15 +335,38 @@ impl Loader<'_> {
         Ok(Camera {
             position,
             rotation,
-            fov_y: fov.to_radians(),
+            field,
             near,
             far,
         })
     }
 
+    fn field(&self, file: &CameraFile) -> Result<Field, SceneError> {
+        match (file.fov_degrees, file.orthographic_height) {
+            (Some(_), Some(_)) => Err(self.invalid(
+                "camera",
+                "it has both an angle, `fov_degrees`, and an `orthographic_height`",
+                "give one of the two",
+            )),
+            (degrees, None) => {
+                let degrees = degrees.unwrap_or(45.0);
+                let place = "camera.fov_degrees".to_owned();
+                let degrees = self.number(place, degrees, 0.01..=179.0)?;
+                Ok(Field::Perspective {
+                    fov_y: degrees.to_radians(),
+                })
+            }
+            (None, Some(height)) => {
+                let place = "camera.orthographic_height".to_owned();
+                let height = self.number(place, height, 1e-6..=1e12)?;
+                Ok(Field::Orthographic { height })
+            }
+        }
+    }
+
     fn model(&mut self, file: ModelFile, place: &str) -> Result<Vec<Object>, SceneError> {
         let parts = match (&file.file, &file.shape) {
-            (Some(model), None) => self.parts(model)?,
+            (Some(model), None) => self.parts(model, file.material.base_color_texture.is_some())?,
             (None, Some(shape)) => vec![self.shape(shape, place)?],
             _ => {
                 let problem = "a model is either a file or a shape";
@@ -369,14 +395,32 @@ impl Loader<'_> {
         Ok(objects)
     }
 
-    fn parts(&mut self, file: &Path) -> Result<Vec<Part>, SceneError> {
+    /// The parts of a model, which gets a texture here if it is `textured`.
+    fn parts(&mut self, file: &Path, textured: bool) -> Result<Vec<Part>, SceneError> {
         let path = self.beside(file);
-        if let Some(parts) = self.models.get(&path) {
+        let known = (path, textured);
+        if let Some(parts) = self.models.get(&known) {
             return Ok(parts.clone());
         }
-        let parts = model::load(&path)?;
-        self.models.insert(path, parts.clone());
-        Ok(parts)
+        let model = model::load(&known.0, textured)?;
+        // The scene file's own stand in their place.
+        let [lamps, eyes] = [model.lamps.len(), model.eyes.len()];
+        let unused = [
+            LeftOut::new(
+                file,
+                "KHR_lights_punctual",
+                lamps,
+                "the scene file's lights shine",
+            ),
+            LeftOut::new(file, "cameras", eyes, "the scene file's camera looks"),
+        ];
+        for left_out in unused.into_iter().flatten().chain(model.left_out) {
+            if !self.left_out.contains(&left_out) {
+                self.left_out.push(left_out);
+            }
+        }
+        self.models.insert(known, model.parts.clone());
+        Ok(model.parts)
     }
 
     fn shape(&mut self, shape: &ShapeFile, place: &str) -> Result<Part, SceneError> {

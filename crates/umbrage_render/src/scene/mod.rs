@@ -1,25 +1,27 @@
 //! Scenes: what is to be rendered, as plain data in f64.
 
-mod accessor;
 mod bare;
 mod error;
 mod file;
 mod file_lights;
 mod image;
+mod left_out;
 mod medium;
 mod model;
+mod own_lights;
 mod shapes;
 
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Light, Projection, View, plain_number};
+use umbrage_shadow::{Aabb, Field, Light, Projection, View, overlap, plain_number};
 
 pub(crate) use self::image::encode_srgb;
 pub use self::{
     error::SceneError,
     file::look_along,
     image::{Image, Level},
+    left_out::LeftOut,
     medium::Medium,
 };
 
@@ -38,6 +40,8 @@ pub struct Scene {
     pub background: Vec3,
     /// What the air is like; none for air that nothing is seen of.
     pub medium: Option<Medium>,
+    /// What the models' files say that is not shown, each once.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// A mesh in its place.
@@ -64,6 +68,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down; zeros where the file has none.
     pub uvs: Vec<Vec2>,
+    /// Linear RGB and opacity, from 0 to 1, that multiply the material's; none where all would be white.
+    pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
 }
@@ -137,6 +143,29 @@ pub struct Shadow {
     pub settings: BTreeMap<String, f64>,
 }
 
+impl Shadow {
+    /// The method of lights that cast no shadows.
+    pub const NONE: &str = "none";
+}
+
+/// What is made up for a model that comes without a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Staging {
+    /// A ground under it.
+    pub ground: bool,
+    /// A sun.
+    pub sun: bool,
+}
+
+impl Default for Staging {
+    fn default() -> Self {
+        Self {
+            ground: true,
+            sun: true,
+        }
+    }
+}
+
 /// Where the picture is taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -144,45 +173,112 @@ pub struct Camera {
     pub position: DVec3,
     /// From its axes to the world's; it looks along −z of its own.
     pub rotation: DQuat,
-    /// Full vertical angle, radians.
-    pub fov_y: f64,
-    /// The nearest that is seen; metres, above 0.
+    /// What it sees across.
+    pub field: Field,
+    /// The nearest that is seen, from the position along the way that it looks; metres. Above 0, but for an orthographic
+    /// camera, which sees behind its position as well.
     pub near: f64,
     /// The farthest that is seen; metres.
     pub far: f64,
 }
 
 impl Camera {
-    /// The camera as a view of a picture of the given size in pixels (both above 0).
+    /// The camera as a view of a picture of the given size in pixels (both above 0). Whoever reads what a renderer planned
+    /// for a scene wants [`Scene::view`].
     pub fn view(&self, width: u32, height: u32) -> View {
-        View {
+        let view = View {
             position: self.position,
             rotation: self.rotation,
             projection: Projection {
-                fov_y: self.fov_y,
+                field: self.field,
                 aspect: f64::from(width) / f64::from(height),
                 near: self.near,
                 far: self.far,
             },
-        }
+            eye: 0.0,
+        };
+        view.around(self.near, self.far)
     }
 }
 
 impl Scene {
-    /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, a camera and a
-    /// sun that fit it.
+    /// What a picture of the given size in pixels (both above 0) is rendered from: the camera's view. Positions on the
+    /// device and in plans are relative to its position, which is the camera's own unless that is orthographic: then it
+    /// [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
+    pub fn view(&self, width: u32, height: u32) -> View {
+        let view = self.camera.view(width, height);
+        if !view.projection.is_orthographic() || self.medium.is_some() {
+            return view;
+        }
+        let (frustum, forward) = (view.frustum_relative(), view.forward());
+        let boxes = self.objects.iter().map(|object| object.bounds);
+        let boxes = boxes.filter(Aabb::is_finite);
+        let seen = boxes.flat_map(|aabb| overlap(&aabb.translate(-view.position), &[&frustum]));
+        let depths = seen.map(|point| point.dot(forward));
+        let range = depths
+            .map(|depth| [depth; 2])
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        match range {
+            Some([nearest, farthest]) => view.around(nearest, farthest),
+            None => view,
+        }
+    }
+
+    /// Whether `light`, one of the scene's, casts shadows: if it has a `shadow` whose method is not `none`. A scene in which
+    /// no light has a `shadow` leaves it open: there all cast as soon as a method is brought to them
+    /// ([`RenderOptions::method`](crate::RenderOptions::method), a comparison), and in the truth. The shadow term of a light
+    /// that casts none is 1.
+    pub fn casts_shadow(&self, light: &SceneLight) -> bool {
+        match &light.shadow {
+            Some(shadow) => shadow.method != Shadow::NONE,
+            None => self.lights.iter().all(|light| light.shadow.is_none()),
+        }
+    }
+
+    /// Takes away all lights but one, by its place; nothing else changes, and it casts shadows if it did. None where there
+    /// is no such light.
+    pub fn lit_by(mut self, light: usize) -> Option<Self> {
+        let kept = self.lights.get(light)?;
+        let casts = self.casts_shadow(kept);
+        let mut kept = kept.clone();
+        if !casts {
+            kept.shadow = Some(Shadow {
+                method: Shadow::NONE.to_owned(),
+                ..Shadow::default()
+            });
+        }
+        self.lights = vec![kept];
+        Some(self)
+    }
+
+    /// Loads a scene file (`.ron`) or a model (`.gltf`, `.glb`), which gets a ground, and where it has
+    /// none a camera and a sun that fit it.
     ///
     /// # Errors
     /// A file that is missing, damaged, or says what cannot be rendered.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::load_with(path, Staging::default())
+    }
+
+    /// The same, of a model with no more made up than `staging` says.
+    ///
+    /// # Errors
+    /// Beside those of [`load`](Self::load), a scene file of which something is not to be made up: nothing is.
+    pub fn load_with(path: impl AsRef<Path>, staging: Staging) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let extension = path
             .extension()
             .and_then(|e| e.to_str())
             .unwrap_or_default();
         match extension.to_ascii_lowercase().as_str() {
+            "ron" if staging != Staging::default() => Err(SceneError::invalid(
+                path,
+                "scene",
+                "a scene file has no ground and no sun but its own, which cannot be left out",
+                "take them out of the file, or name a bare model",
+            )),
             "ron" => file::load(path),
-            "gltf" | "glb" => bare::load(path),
+            "gltf" | "glb" => bare::load(path, staging),
             _ => Err(SceneError::Unknown {
                 path: path.to_owned(),
             }),
@@ -214,9 +310,37 @@ impl Mesh {
             flat.positions.extend([a, b, c]);
             flat.normals.extend([normal; 3]);
             flat.uvs.extend(corners.map(|corner| self.uvs[corner]));
+            let colors = corners.map(|corner| self.colors.get(corner).copied());
+            flat.colors.extend(colors.into_iter().flatten());
         }
         flat.indices = (0..flat.positions.len() as u32).collect();
         flat
+    }
+}
+
+impl Mesh {
+    /// The mesh without vertices that no triangle has: several meshes of a file may share one list.
+    fn into_used(self) -> Self {
+        let mut places = vec![None; self.positions.len()];
+        let mut used = Self::default();
+        let mut order = Vec::new();
+        for index in &self.indices {
+            // Indices were checked when the file was read.
+            let place = places[*index as usize].get_or_insert_with(|| {
+                order.push(*index as usize);
+                order.len() as u32 - 1
+            });
+            used.indices.push(*place);
+        }
+        if order.len() == self.positions.len() {
+            return self;
+        }
+        used.positions = order.iter().map(|vertex| self.positions[*vertex]).collect();
+        used.normals = order.iter().map(|vertex| self.normals[*vertex]).collect();
+        used.uvs = order.iter().map(|vertex| self.uvs[*vertex]).collect();
+        let colors = order.iter().filter_map(|vertex| self.colors.get(*vertex));
+        used.colors = colors.copied().collect();
+        used
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use tempfile::TempDir;
 use umbrage_shadow::LightKind;
 
-use super::{Scene, SceneError, Wrap};
+use super::{Scene, SceneError, Staging, Wrap};
 
 /// Three floats a vertex: a triangle in the plane z = 0, facing +z; then four indices of each width.
 fn triangle_bytes() -> Vec<u8> {
@@ -101,6 +101,52 @@ fn models_load_with_indices_of_every_width_or_none() {
             LightKind::Directional { .. }
         ));
     }
+}
+
+/// So that a floor of the model's own, or the whole of a flat model, never shares the ground's depth.
+#[test]
+fn a_bare_model_lies_off_its_ground_by_less_than_a_pixel() {
+    // As it is, and lying in its plane.
+    let lying = r#""name": "tri", "rotation": [-0.7071067811865476, 0, 0, 0.7071067811865476]"#;
+    for (nodes, size) in [(r#""name": "tri""#, 1.0), (lying, 1.0)] {
+        let scene = load_model(&[(r#""name": "tri""#, nodes)], &triangle_bytes()).expect("loads");
+        let (model, ground) = (scene.objects[0].bounds, scene.objects[1].bounds);
+        let radius = 0.5 * model.min.distance(model.max);
+        let gap = model.min.y - ground.max.y;
+        // Positions and depths of f32 at the ground's far end, twelve radii and the camera's four away.
+        let rounding = 16.0 * 16.0 * radius * f64::from(f32::EPSILON);
+        let view = scene.view(1280, 720);
+        let distance = (model.center() - view.position).length();
+        let pixel = view.projection.size_at(distance).y / 720.0;
+        assert!(
+            gap > rounding && gap < 0.5 * pixel,
+            "{gap} {rounding} {pixel} {size}"
+        );
+    }
+}
+
+#[test]
+fn a_bare_model_may_go_without_ground_and_sun() {
+    let dir = TempDir::new().expect("a folder");
+    fs::write(dir.path().join("part one.bin"), triangle_bytes()).expect("written");
+    let path = dir.path().join("model.gltf");
+    fs::write(&path, model(&[])).expect("written");
+    for (ground, sun) in [(true, true), (true, false), (false, true), (false, false)] {
+        let scene = Scene::load_with(&path, Staging { ground, sun }).expect("loads");
+        assert_eq!(scene.objects.len(), 1 + usize::from(ground));
+        assert_eq!(scene.lights.len(), usize::from(sun));
+    }
+    let file = dir.path().join("scene.ron");
+    fs::write(&file, "()").expect("written");
+    let bare = Staging {
+        ground: false,
+        sun: true,
+    };
+    let message = refuse(Scene::load_with(&file, bare));
+    assert!(
+        message.contains("no ground and no sun but its own"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -219,19 +265,22 @@ fn models_that_lie_about_their_data_are_refused() {
         )],
         "overlap at a stride of 4",
     );
-    assert_refused(&[("\"VEC3\"", "\"VEC2\"")], "accessors[0]: it is a Vec2");
-    assert_refused(&[("5126", "5123")], "components of type U16");
+    assert_refused(
+        &[("\"VEC3\"", "\"VEC2\"")],
+        "accessors[0]: it is a VEC2, but meshes[0].primitives[0] needs a VEC3",
+    );
+    assert_refused(&[("5126", "5125")], "components of type 5125 are not known");
     assert_refused(
         &[("\"POSITION\": 0", "\"POSITION\": 7")],
-        "meshes[0]: it names accessor 7",
+        "meshes[0].primitives[0]: it names accessors[7], but there are 2",
     );
     assert_refused(
         &[("\"mesh\": 0", "\"mesh\": 3")],
-        "nodes[0].mesh: index out of bounds",
+        "nodes[0]: it names meshes[3], but there are 1",
     );
     assert_refused(
         &[("\"indices\": 1", "\"indices\": 0")],
-        "accessors[0]: it is a Vec3",
+        "accessors[0]: it is a VEC3",
     );
     assert_refused(
         &[("\"POSITION\": 0", "\"POSITION\": 0, \"NORMAL\": 1")],
@@ -247,7 +296,7 @@ fn models_that_lie_about_their_data_are_refused() {
             "\"version\": \"2.0\"}",
             "\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_x\"]",
         )],
-        "unsupported extension",
+        "cannot be read without KHR_x",
     );
     assert_refused(&[("part%20one.bin", "gone.bin")], "gone.bin");
     assert_refused(&[("part%20one.bin", "%ff.bin")], "percent-encoded");
@@ -287,8 +336,10 @@ fn nodes_that_form_no_tree_or_stand_nowhere_are_refused() {
     };
     assert!(nodes(r#"[{"mesh": 0, "children": [0]}]"#).contains("nodes must form a tree"));
     assert!(nodes(r#"[{"children": [1]}, {"mesh": 0, "children": [0]}]"#).contains("nodes[0]"));
-    assert!(nodes(r#"[{"mesh": 0, "rotation": [0, 0, 0, 0]}]"#).contains("not finite"));
-    assert!(nodes(r#"[{"mesh": 0, "scale": [1e39, 1, 1]}]"#).contains("not finite"));
+    let twice =
+        r#"[{"scale": [1e300, 1, 1], "children": [1]}, {"mesh": 0, "scale": [1e300, 1, 1]}]"#;
+    assert!(nodes(twice).contains("nodes[1]: its transform is not finite"));
+    assert!(nodes(r#"[{"mesh": 0, "scale": [1e39, 1, 1]}]"#).contains("farther than"));
     assert!(nodes(r#"[{"mesh": 0, "translation": [1e30, 1, 1]}]"#).contains("farther than"));
 }
 
@@ -372,6 +423,26 @@ fn scene_files_load() {
 #[test]
 fn bad_scene_files_are_refused() {
     let cases = [
+        (
+            "target: (0, 1, 0)",
+            "target: (0, 1, 0), orthographic_height: 0",
+            "camera.orthographic_height: it is 0",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "target: (0, 1, 0), orthographic_height: 3, fov_degrees: 30",
+            "camera: it has both an angle, `fov_degrees`, and an `orthographic_height`",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "target: (0, 1, 0), orthographic_height: 3, near: -4, far: -5",
+            "camera.far: it is -5, but must lie beyond near, -4",
+        ),
+        (
+            "target: (0, 1, 0)",
+            "target: (0, 1, 0), near: -1",
+            "camera.near: it is -1",
+        ),
         ("target: (0, 1, 0)", "aim: (0, 1, 0)", "test.ron:2:"),
         ("casts: false", "cast: false", "test.ron:9:"),
         ("(shape: plane", "(\"", "test.ron:9:10"),

@@ -55,10 +55,10 @@ pub(crate) struct Sight {
 
 /// What each pixel sees of a scene whose only surface is the ground.
 pub(crate) fn sights(scene: &Scene) -> impl Iterator<Item = Sight> {
-    let view = scene.camera.view(SIZE.0, SIZE.1);
+    let view = scene.view(SIZE.0, SIZE.1);
     (0..SIZE.0 * SIZE.1).map(move |pixel| {
         let at = DVec2::new(f64::from(pixel % SIZE.0), f64::from(pixel / SIZE.0)) + 0.5;
-        let slope = (0.5 * view.projection.fov_y).tan();
+        let slope = 0.5 * view.projection.size_at(1.0).y;
         let ndc = at / DVec2::new(SIZE.0.into(), SIZE.1.into()) * 2.0 - 1.0;
         let ray = DVec3::new(ndc.x * slope * view.projection.aspect, -ndc.y * slope, -1.0);
         let ray = view.rotation * ray;

@@ -55,7 +55,7 @@ pub(crate) fn small(what: What) -> RenderOptions {
 /// The pixel's number at which a point in the world is seen.
 pub(crate) fn pixel(scene: &Scene, rendered: &Rendered, point: DVec3) -> usize {
     let (width, height) = (rendered.width, rendered.height);
-    let view = scene.camera.view(width, height);
+    let view = scene.view(width, height);
     let clip = view.view_proj_relative() * (point - view.position).extend(1.0);
     let x = (0.5 + 0.5 * clip.x / clip.w) * f64::from(width);
     let y = (0.5 - 0.5 * clip.y / clip.w) * f64::from(height);

@@ -45,7 +45,7 @@ fn of_middle<T: Clone>(picture: &[Option<T>]) -> T {
 
 fn texel_of_middle(scene: &Scene, plan: &ShadowPlan) -> Texel {
     let surface = Surface::new(scene, &look(scene, SIZE, SIZE)).expect("one scene");
-    of_middle(&texels(&surface, scene, &scene.lights[0].light, plan))
+    of_middle(&texels(&surface, &scene.lights[0].light, plan))
 }
 
 /// Off the floor, on neither axis.

@@ -23,6 +23,7 @@ impl Page<'_> {
         Ok(html! {
             section.scene id={ "scene-" (number) } {
                 h2 { (name) " " small { (self.about(name, rows.len())) } }
+                (self.left_out(name))
                 (self.verdict(&rows))
                 (self.legend(&rows))
                 div.plots {
@@ -31,6 +32,19 @@ impl Page<'_> {
                 }
             }
         })
+    }
+
+    fn left_out(&self, scene: &str) -> Markup {
+        let info = self.report.scenes.iter().find(|info| info.name == scene);
+        let left_out = info.map_or(&[][..], |info| &info.left_out);
+        html! {
+            @if !left_out.is_empty() {
+                details {
+                    summary { "Left out of the models: " (left_out.len()) }
+                    ul { @for left_out in left_out { li { (left_out) } } }
+                }
+            }
+        }
     }
 
     fn about(&self, scene: &str, rows: usize) -> String {

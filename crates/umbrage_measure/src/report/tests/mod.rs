@@ -131,6 +131,7 @@ fn names_from_outside_stay_text() {
     report.command = HOSTILE.to_owned();
     report.isa_source = HOSTILE.to_owned();
     report.skipped[0].reason = HOSTILE.to_owned();
+    report.scenes[0].left_out[0].feature = HOSTILE.to_owned();
     let html = page_of(&report);
     let page = parsed(&html);
     assert_eq!(texts(&page, "script").len(), 1, "the page's own script");
@@ -143,6 +144,10 @@ fn names_from_outside_stay_text() {
     );
     assert!(texts(&page, ".facts dd").contains(&HOSTILE.to_owned()));
     assert!(texts(&page, ".reason").contains(&HOSTILE.to_owned()));
+    let left_out = texts(&page, ".scene li");
+    assert!(left_out[0].contains(HOSTILE), "{left_out:?}");
+    let plain = "tree.glb: animations (2 places): the stored pose is drawn";
+    assert_eq!(left_out[1..], [plain, plain]);
     // Nothing became an attribute either.
     assert!(attributes(&page, "[onclick], [onload], [onerror]", "class").is_empty());
 }

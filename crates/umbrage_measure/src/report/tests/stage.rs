@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use umbrage_render::LeftOut;
+
 use crate::{
     figures::Figures,
     report::{Decided, Isa, Pictures, Report, Row, SceneInfo, Skipped, Spread},
@@ -128,6 +130,12 @@ pub(super) fn fake_report() -> Report {
                 name: name.to_owned(),
                 lights: 1 + name.len() % 3,
                 triangles: 6_000 * name.len(),
+                left_out: vec![LeftOut {
+                    file: "tree.glb".to_owned(),
+                    feature: "animations".to_owned(),
+                    places: 2,
+                    instead: "the stored pose is drawn".to_owned(),
+                }],
             })
             .collect(),
         rows,

@@ -11,8 +11,8 @@ use std::{
 
 use glam::{DVec3, Vec3};
 use tempfile::TempDir;
-use umbrage_render::{Material, Scene};
-use umbrage_shadow::LightKind;
+use umbrage_render::{Material, Scene, Shadow};
+use umbrage_shadow::{Field, LightKind};
 
 use super::stage::{HERE, block, scene, square};
 use crate::truth::{Source, Truth, TruthStore, content::content};
@@ -121,10 +121,17 @@ fn the_name_follows_what_the_truth_depends_on_and_nothing_else() {
     fn material(scene: &mut Scene) -> &mut Material {
         Arc::make_mut(&mut scene.objects[0].material)
     }
-    let other: [&dyn Fn(&mut Scene); 10] = [
+    let other: [&dyn Fn(&mut Scene); 12] = [
+        &|scene| {
+            scene.lights[0].shadow = Some(Shadow {
+                method: Shadow::NONE.to_owned(),
+                ..Shadow::default()
+            });
+        },
         &|scene| scene.camera.position.x += 1e-9,
         &|scene| scene.camera.far += 1.0,
-        &|scene| scene.camera.fov_y += 1e-9,
+        &|scene| scene.camera.field = Field::Perspective { fov_y: 0.5 },
+        &|scene| scene.camera.field = Field::Orthographic { height: 0.5 },
         &|scene| scene.objects[1].transform.translation.y += 1e-9,
         &|scene| Arc::make_mut(&mut scene.objects[1].mesh).positions[3].x += 1e-3,
         &|scene| Arc::make_mut(&mut scene.objects[1].mesh).indices.swap(0, 1),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
 use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight};
-use umbrage_shadow::{Light, LightKind};
+use umbrage_shadow::{Field, Light, LightKind};
 
 /// Where a scene stands and how large it is: what is at `p` stands at `origin + scale * p`.
 #[derive(Clone, Copy)]
@@ -46,7 +46,9 @@ impl Place {
         Camera {
             position: self.at(eye),
             rotation: DQuat::from_mat3(&axes),
-            fov_y: 60_f64.to_radians(),
+            field: Field::Perspective {
+                fov_y: 60_f64.to_radians(),
+            },
             near: 0.01 * self.scale,
             far: 1000.0 * self.scale,
         }
@@ -69,6 +71,7 @@ pub(crate) fn scene(objects: Vec<Object>, light: LightKind, camera: Camera) -> S
         ambient: Vec3::ZERO,
         background: Vec3::ZERO,
         medium: None,
+        left_out: Vec::new(),
     }
 }
 
@@ -82,6 +85,7 @@ pub(crate) fn square(half: f32) -> Mesh {
         normals: vec![Vec3::Y; 4],
         uvs: corners.map(|c| 0.5 + 0.5 * c).into(),
         indices: vec![0, 2, 1, 0, 3, 2],
+        ..Mesh::default()
     }
 }
 
@@ -104,6 +108,7 @@ pub(crate) fn block(half: Vec3) -> Mesh {
             .iter()
             .flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d])
             .collect(),
+        ..Mesh::default()
     }
 }
 
