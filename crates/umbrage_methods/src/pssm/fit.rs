@@ -246,18 +246,20 @@ impl Job {
             return None;
         }
         let [near, far] = match self.view.projection.field {
-            _ if !self.stable => [near.max(least), far.min(most)],
-            Field::Perspective { .. } => [
-                near.log2().floor().exp2().max(least),
-                far.log2().ceil().exp2().min(most),
-            ],
-            Field::Orthographic { height } => {
+            // Its length must not depend on where the view stands: a texel's width follows it.
+            Field::Orthographic { height } if self.stable => {
                 let length = (far - near).max(height / 64.0);
                 steady(near, length, self.view.eye)
             }
+            Field::Perspective { .. } if self.stable => [
+                near.log2().floor().exp2().max(least) * (1.0 - PADDING),
+                far.log2().ceil().exp2().min(most) * (1.0 + PADDING),
+            ],
+            _ => [
+                near.max(least) * (1.0 - PADDING),
+                far.min(most) * (1.0 + PADDING),
+            ],
         };
-        let near = near - PADDING * near.abs();
-        let far = far + PADDING * far.abs();
         let far = self
             .shadow_distance
             .map_or(far, |distance| far.min(distance));
@@ -391,7 +393,7 @@ fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
     let length = rounded_up(length * 8.0 / 7.0, 2.0);
     let step = length / 8.0;
     let near = ((near - eye) / step).floor() * step + eye;
-    [near, near + length]
+    [near - PADDING * length, near + (1.0 + PADDING) * length]
 }
 
 /// How far along the camera's axis the middle of the smallest ball lies that holds what it sees from `near` to `far`
