@@ -227,6 +227,7 @@ impl Studio {
             ambient: Vec3::ZERO,
             background: Vec3::ZERO,
             medium: None,
+            left_out: Vec::new(),
         }
     }
 }

@@ -121,7 +121,7 @@ fn choose<V: PartialEq + fmt::Display>(
 
 /// All hard cases, the same each time. A case stands after the one that it must look the same as.
 pub fn all() -> Vec<Case> {
-    let families: [fn() -> Vec<Case>; 8] = [
+    let families: [fn() -> Vec<Case>; 9] = [
         depth::cases,
         direction::cases,
         place::cases,
