@@ -2,7 +2,7 @@
 
 use std::{path::Path, process::ExitCode, sync::Arc};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
     compose::{Composer, Source, Target},
@@ -77,6 +77,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
     }
     let scene = args.staging.load(&args.scene)?;
     let (scene, lights) = choose_light(scene, args.light)?;
+    check_left_open(args, &scene)?;
     let mut composer = Composer::new(shader_library()?, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
@@ -98,6 +99,23 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
         tell(&report);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// An error where the picture is of a shadow term that the scene leaves open: the truth would show another.
+fn check_left_open(args: &RenderArgs, scene: &Scene) -> Result<()> {
+    let of_term = matches!(
+        args.what,
+        What::ShadowTerm | What::Fetches | What::Decisions | What::Splits
+    );
+    let open = scene.lights.iter().all(|light| light.shadow.is_none());
+    if of_term && open && args.method.is_none() && !scene.lights.is_empty() {
+        bail!(
+            "no light of {} says how it casts shadows, so there is no shadow term to show; \
+             choose a method for all of them by --method, or `none`",
+            args.scene.display()
+        );
+    }
+    Ok(())
 }
 
 fn options(args: &RenderArgs) -> RenderOptions {

@@ -92,6 +92,9 @@ fn own_words(error: &(dyn Error + 'static), module: &Module) -> Option<String> {
                     inner(lhs_type)
                 )
             }
+            ExpressionError::IndexOutOfBounds(_, index) => {
+                format!("index {index} is out of bounds")
+            }
             ExpressionError::InvalidZeroValue(handle) => {
                 format!("`{}` cannot be constructed", ty(handle))
             }
@@ -465,10 +468,6 @@ mod tests {
     fn naga_s_own_forms_are_told_plainly() {
         for (said, told) in [
             ("Float literal is NaN", "float literal is NaN"),
-            (
-                "Accessing index 5 is out of [3] bounds",
-                "accessing index 5 is out of this bounds",
-            ),
             (
                 "Loading of [12] can't be done",
                 "loading of this can't be done",

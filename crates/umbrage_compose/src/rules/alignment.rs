@@ -8,9 +8,10 @@ use wgsl_parse::lexer::{Lexer, Token};
 
 use super::Problem;
 
-const ADVICE: &str = "write the alignment before this member, too";
+const ADVICE: &str = "write the alignment before this member and the next one, too";
 
-/// Checks that structs lie as their members ask, in the module that naga parsed from `text`.
+/// Checks that structs and arrays lie as their members ask, in the module that naga parsed from `text`. A last member's
+/// padding is no matter: nothing lies behind it.
 pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     if !text.contains("align") {
         return Ok(());
@@ -18,17 +19,35 @@ pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     let asked = asked(text);
     // By the types' numbers; what a type is made of comes before it.
     let mut alignments: Vec<u32> = Vec::with_capacity(module.types.len());
-    for (_, ty) in module.types.iter() {
+    for (handle, ty) in module.types.iter() {
         let alignment = match &ty.inner {
-            TypeInner::Array { base, .. } => alignments[base.index()],
-            TypeInner::Struct { members, span } => {
+            TypeInner::Array { base, stride, .. } => {
+                let wanted = alignments[base.index()];
+                if wanted > 0 && stride % wanted != 0 {
+                    return Err(Problem {
+                        span: module.types.get_span(handle),
+                        message: format!(
+                            "an array's elements are aligned to {wanted} by `@align` within their type, which is lost here"
+                        ),
+                        advice: "give the last member of the elements' type the `@size` that fills it up",
+                    });
+                }
+                wanted
+            }
+            TypeInner::Struct { members, .. } => {
                 let name = ty.name.as_deref().unwrap_or_default();
                 let (own, places) = asked.get(name).cloned().unwrap_or_default();
                 let mut largest = own;
-                for member in members {
+                for (index, member) in members.iter().enumerate() {
                     let wanted = alignments[member.ty.index()];
                     largest = largest.max(wanted);
-                    if wanted > 0 && (member.offset % wanted != 0 || span % wanted != 0) {
+                    if wanted == 0 {
+                        continue;
+                    }
+                    let size = module.types[member.ty].inner.size(module.to_ctx());
+                    let end = member.offset + size.next_multiple_of(wanted);
+                    let next = members.get(index + 1);
+                    if member.offset % wanted != 0 || next.is_some_and(|next| next.offset < end) {
                         let name = member.name.as_deref().unwrap_or_default();
                         let place = places.get(name).copied();
                         return Err(Problem {
@@ -49,13 +68,22 @@ pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// For each struct the largest alignment that a member asks for by a number, and where its members' names are.
+/// For each struct the largest alignment that a member asks for by a number or a constant, and where its members' names are.
 fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
     let tokens: Vec<_> = Lexer::new(text).flatten().collect();
     let word = |index: usize| {
         let token = tokens.get(index);
         token.map_or("", |(start, _, end)| &text[*start..*end])
     };
+    let literal = |word: &str| word.trim_end_matches(['u', 'i']).parse::<u32>().ok();
+    // Naga keeps no constants of untyped numbers: the text tells them.
+    let constants: BTreeMap<&str, u32> = (0..tokens.len())
+        .filter(|index| word(*index) == "const")
+        .filter_map(|index| {
+            let equals = (index..tokens.len()).find(|index| word(*index) == "=")?;
+            Some((word(index + 1), literal(word(equals + 1))?))
+        })
+        .collect();
     let mut asked: BTreeMap<&str, (u32, BTreeMap<&str, Span>)> = BTreeMap::new();
     let mut current = None;
     for (index, (start, token, end)) in tokens.iter().enumerate() {
@@ -63,7 +91,8 @@ fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
             Token::KwStruct => current = Some(word(index + 1)),
             Token::SymBraceRight => current = None,
             Token::SymAttr if word(index + 1) == "align" && word(index + 2) == "(" => {
-                let number: Option<u32> = word(index + 3).trim_end_matches(['u', 'i']).parse().ok();
+                let said = word(index + 3);
+                let number = literal(said).or_else(|| constants.get(said).copied());
                 if let Some((name, number)) = current.zip(number) {
                     let largest = &mut asked.entry(name).or_default().0;
                     *largest = number.max(*largest);
@@ -80,4 +109,42 @@ fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
         }
     }
     asked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> Option<String> {
+        let module = naga::front::wgsl::parse_str(text).expect("WGSL");
+        check(&module, text).err().map(|problem| problem.message)
+    }
+
+    #[test]
+    fn what_lies_otherwise_than_its_members_ask_is_refused() {
+        let inner = "struct I { @align(16) a: f32, b: f32 }";
+        for (outer, lost) in [
+            ("struct O { @align(16) i: I, @align(16) x: f32 } ", false),
+            // Behind the last member is padding alone.
+            ("struct O { i: I, }", false),
+            ("struct O { i: array<I, 2>, x: f32 }", false),
+            ("struct O { x: f32, i: I }", true),
+            ("struct O { x: f32, i: array<I, 2> }", true),
+            (
+                "struct P { i: I, x: f32 } struct O { p: array<P, 2> }",
+                true,
+            ),
+        ] {
+            let text = format!("{inner} {outer} var<private> o: O;");
+            assert_eq!(
+                refused(&text).is_some(),
+                lost,
+                "{outer}: {:?}",
+                refused(&text)
+            );
+            // A constant's name says as much.
+            let text = format!("const PAD = 16; {}", text.replacen("(16)", "(PAD)", 1));
+            assert_eq!(refused(&text).is_some(), lost, "PAD, {outer}");
+        }
+    }
 }

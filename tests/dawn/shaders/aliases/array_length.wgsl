@@ -1,5 +1,5 @@
 // Dawn: takes it
-// Umbrage: can't be passed into functions
+// Umbrage: which a function cannot take
 @group(0) @binding(0) var<storage, read_write> s: array<i32>;
 fn f(a: ptr<storage, array<i32>, read_write>) -> u32 {
     s[0] = 1;

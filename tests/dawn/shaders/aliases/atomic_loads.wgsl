@@ -1,5 +1,5 @@
 // Dawn: takes it
-// Umbrage: can't be passed into functions
+// Umbrage: which a function cannot take
 var<workgroup> w: atomic<i32>;
 fn f(a: ptr<workgroup, atomic<i32>>) -> i32 {
     return atomicLoad(a) + atomicLoad(&w);

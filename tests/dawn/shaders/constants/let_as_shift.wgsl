@@ -1,5 +1,5 @@
 // Dawn: takes it
-// Umbrage: hift amount
+// Umbrage: as many bits as it has
 @compute @workgroup_size(1) fn cs() {
     var n = 5u;
     let z = 32u;
