@@ -314,11 +314,11 @@ fn an_alignment_within_a_member_is_not_lost_unawares() {
             "struct Inner {{ @align(32) x: f32, y: f32 }}
 struct Outer {{ {outer} }}
 @group(0) @binding(0) var<storage> given: Outer;
-@fragment fn fs() -> @location(0) vec4f {{ return vec4f(given.inner.y); }}
+@fragment fn fs() -> @location(0) vec4f {{ let inner = given.inner; return vec4f(); }}
 "
         )
     };
-    for outer in ["z: f32, inner: Inner", "inner: Inner, z: f32"] {
+    for outer in ["z: f32, inner: Inner", "z: f32, inner: array<Inner, 2>"] {
         let error = linked(&[("main.wesl", &main(outer))]).expect_err("another layout");
         let fault = &error.faults()[0];
         assert!(fault.message.contains("aligned to 32"), "{error}");
@@ -328,6 +328,9 @@ struct Outer {{ {outer} }}
     }
     let text = wgsl(&[("main.wesl", &main("z: f32, @align(32) inner: Inner"))]);
     assert!(text.contains("@size(32) z: f32"), "{text}");
-    let text = wgsl(&[("main.wesl", &main("inner: Inner"))]);
-    assert!(text.contains("@size(28) y: f32"), "{text}");
+    // What is last lacks padding alone.
+    for outer in ["inner: Inner", "inner: Inner, z: f32"] {
+        let text = wgsl(&[("main.wesl", &main(outer))]);
+        assert!(text.contains("@size(28) y: f32"), "{text}");
+    }
 }
