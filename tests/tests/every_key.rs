@@ -419,17 +419,9 @@ fn exceeds(counts: &[f32], promised: u32) -> Option<String> {
 fn every_permutation_is_drawn_as_the_oracle_says() {
     let composer = Composer::new(library(), Target::webgpu());
     let keys = permutations(&composer);
-    // Mesa 22's lavapipe reads beyond its buffers where one device first marches parallel rays and then draws certain
-    // other pipelines: they get devices of their own.
-    let marches = |key: &Key| {
-        let shafts = matches!(key.get("pass"), Some("shafts" | "shaft_fetches"));
-        shafts && key.get("camera").is_some()
-    };
-    let (apart, together): (Vec<_>, Vec<_>) = keys.iter().cloned().partition(marches);
     // Keys that share an oracle's work are worth keeping together.
-    let faults: Vec<_> = together
-        .par_chunks(together.len().div_ceil(rayon::current_num_threads()))
-        .chain(apart.par_chunks(1))
+    let faults: Vec<_> = keys
+        .par_chunks(keys.len().div_ceil(rayon::current_num_threads()))
         .flat_map_iter(|keys| {
             let mut studio = Studio::new();
             keys.iter()

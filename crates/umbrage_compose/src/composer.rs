@@ -360,7 +360,10 @@ impl Composer {
         }
         let same = |entry: &&Arc<Entry>| {
             let known = &entry.prepared;
-            known.text == prepared.text && known.filters == prepared.filters
+            known.text == prepared.text
+                && known.filters == prepared.filters
+                // One text has two meanings where a name is imported from here or from there.
+                && known.stubs.items == prepared.stubs.items
         };
         let unit = entries
             .iter()

@@ -460,3 +460,38 @@ fn nagas_version() {
     );
     assert_eq!(versions.len(), 1, "two versions of naga: {versions:?}");
 }
+
+/// Both texts are the same once imports are blanked out, and so are the stand-ins.
+#[test]
+fn a_name_that_is_imported_from_two_places_is_told_apart() {
+    let files = [
+        (
+            "axes.ron",
+            r#"(axes: {
+                "pass": (default: "main", values: { "main": (root: "package::main") }),
+                "way": (default: "near", values: { "near": (), "far": (features: ["FAR"]) }),
+            })"#,
+        ),
+        ("near.wesl", "fn depth() -> f32 { return 0.25; }"),
+        ("far.wesl", "fn depth() -> f32 { return 0.75; }"),
+        (
+            "main.wesl",
+            "@if(FAR) import package::far::depth;
+            @if(!FAR) import package::near::depth;
+            @fragment fn fs() -> @location(0) vec4f { return vec4f(depth()); }",
+        ),
+    ];
+    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    let package = Package::from_sources("demo", "demo", files).expect("a package");
+    let library = Library::new([package]).expect("a library");
+    for order in [["near", "far", "near"], ["far", "near", "far"]] {
+        let composer = Composer::new(library.clone(), Target::webgpu());
+        for way in order {
+            let key = library.key([("way", way)]).expect("a key");
+            let composed = composer.compose(&key).expect("composed");
+            let text = composed.permutation.wgsl().expect("WGSL");
+            assert_eq!(text.contains("0.25"), way == "near", "{way}: {text}");
+            assert_eq!(text.contains("0.75"), way == "far", "{way}: {text}");
+        }
+    }
+}
