@@ -201,7 +201,7 @@ impl Axes {
             }
         }
         self.check_complete(|axis| chosen.contains_key(axis))?;
-        // Through the axes, whose texts all keys share.
+        // Take the names and values from the axes, whose texts all keys share.
         let choices = self.axes.iter().filter_map(|(name, axis)| {
             let value = *chosen.get(&**name)?;
             (axis.default.as_deref() != Some(&**value)).then(|| (name.clone(), value.clone()))
@@ -220,12 +220,12 @@ impl Axes {
         Err(Fault::new(Cause::Key, message).note(format!("choose one of {}", values.join(", "))))
     }
 
-    /// The packages' rules.
+    /// Rules of all packages.
     pub(crate) fn rules(&self) -> &[Rule] {
         &self.rules
     }
 
-    /// The name of `axis` that keys share.
+    /// Name of `axis`, in the text that all keys share.
     pub(crate) fn name(&self, axis: &str) -> Arc<str> {
         match self.axes.get_key_value(axis) {
             Some((name, _)) => name.clone(),

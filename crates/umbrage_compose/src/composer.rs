@@ -55,25 +55,25 @@ pub struct Composed {
     pub warnings: Vec<String>,
 }
 
-/// What a key comes to.
+/// Projection of a key, and the axes that matter to it.
 #[derive(Clone, Debug)]
 pub struct Projected {
-    /// The key with every choice that makes no difference at its default, or faults in the modules that it
-    /// leads to, as far as that takes reading them.
+    /// The key with every choice that makes no difference reset to its default; or the faults in the modules that
+    /// it leads to, as far as reading them was needed.
     pub projection: Result<Key, Error>,
-    /// The axes whose choice may have made a difference, sorted: keys that have the same values on them come to
-    /// the same.
+    /// The axes whose choice may have made a difference, sorted. Keys that have the same values on these axes have
+    /// the same projection.
     pub matter: Arc<[Arc<str>]>,
 }
 
-/// How near a choice is to a module.
+/// Relation of a key's choice to a module, from the loosest to the closest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Nearness {
-    /// It has nothing to do with it.
+    /// The choice has nothing to do with the module.
     None,
-    /// It names a module that imports it, directly or not, or sets a feature that it reads.
+    /// The choice names a module that imports this one, directly or not, or sets a feature that this one reads.
     Leads,
-    /// It names it.
+    /// The choice names the module.
     Names,
 }
 
@@ -136,7 +136,8 @@ impl Composer {
         Ok(project(&self.library, key, &found))
     }
 
-    /// What each of `keys` comes to; much quicker than one by one, where many keys are few permutations.
+    /// Projections of `keys`, in their order. Where many keys share few permutations, this is much quicker than
+    /// projecting one key after another.
     pub fn project_all(&self, keys: &[Key]) -> Vec<Projected> {
         let mut projections = Projections::new(&self.library);
         let projected = keys.iter().map(|key| {
@@ -149,7 +150,7 @@ impl Composer {
         projected.collect()
     }
 
-    /// How near the choice that `key` makes on `axis` is to the module that `fault` lies in.
+    /// Relation of `key`'s choice on `axis` to the module that `fault` lies in.
     pub fn nearness(&self, key: &Key, axis: &str, fault: &Fault) -> Nearness {
         let library = &self.library;
         let effect = library
@@ -178,7 +179,7 @@ impl Composer {
             let consulted = with
                 .prepared(module)
                 .map(|prepared| prepared.consulted.clone());
-            // A module that cannot even be read may have looked up any.
+            // A module that could not be read may depend on any feature.
             number.is_some_and(|number| consulted.map_or(true, |read| read.asked.contains(number)))
         };
         if leads(&named, module, &with) || effect.features.iter().any(reads) {
@@ -292,7 +293,8 @@ impl Composer {
         outcome.map(|()| (request, found))
     }
 
-    /// What reading `key`'s modules finds, where it says which they are, and what stops it.
+    /// Dependencies found by reading `key`'s modules (none where the key itself is invalid), and the fault that
+    /// stops the reading.
     pub(crate) fn found(&self, key: &Key) -> (Option<Dependencies>, Result<(), Fault>) {
         match self.library.request(key) {
             Ok(request) => {
@@ -362,7 +364,7 @@ impl Composer {
             let known = &entry.prepared;
             known.text == prepared.text
                 && known.filters == prepared.filters
-                // One text has two meanings where a name is imported from here or from there.
+                // The same text has another meaning where its names are imported from other modules.
                 && known.stubs.items == prepared.stubs.items
         };
         let unit = entries

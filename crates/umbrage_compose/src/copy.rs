@@ -86,7 +86,7 @@ impl Linker<'_> {
         if let Some(done) = self.maps.entry(module).or_default().overrides.get(&handle) {
             return Ok(*done);
         }
-        // An array's length that is an expression is an override without a name.
+        // Naga stores an array length that is an expression as an override without a name.
         let item = unit.overrides.get(&handle);
         if let Some(done) = item.and_then(|item| self.overrides.get(item)) {
             return Ok(*done);

@@ -1,7 +1,7 @@
 //! Diagnostic filters: `diagnostic(off, derivative_uniformity)`, as a directive, on a function, on a
 //! statement or on a block (<https://www.w3.org/TR/WGSL/#diagnostics>).
 //!
-//! Naga knows them on functions alone and writes none, so they are read here, blanked out of what naga
+//! Naga reads filters only on functions, and writes none. So they are read here, blanked out of the text that naga
 //! sees, looked up by place, and written again. A directive holds for the functions of its own module.
 
 use std::{fmt::Write as _, ops::Range, sync::Arc};
@@ -60,14 +60,14 @@ pub(crate) struct Filters(Vec<Filter>);
 #[derive(Debug, PartialEq)]
 struct Filter {
     setting: Setting,
-    /// What it holds for.
+    /// The part of the text that the filter applies to.
     range: Range<usize>,
-    /// Where it is written.
+    /// The filter's own place in the text.
     written: Range<usize>,
     on: On,
 }
 
-/// What a filter is written on.
+/// Kind of construct that a filter is written on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum On {
     Module,
@@ -75,7 +75,7 @@ enum On {
     Statement,
 }
 
-/// A rule, and what comes of a breach.
+/// A rule, and the severity of a breach.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 struct Setting {
     rule: String,
@@ -102,7 +102,7 @@ impl Filters {
             let next = match (&tokens[index].0, reader.word(index + 1)) {
                 _ if blank => None,
                 (Token::SymAttr, _) => Some(reader.attributes(index)?),
-                // Nothing but a directive begins so.
+                // Only a directive begins this way.
                 _ if reader.word(index) == "diagnostic" && reader.begins_statement(index) => {
                     Some(reader.directive(index)?)
                 }
@@ -116,19 +116,19 @@ impl Filters {
         Ok(Self(reader.filters))
     }
 
-    /// Where they are written.
+    /// Places of the filters themselves in the text.
     pub(crate) fn written(&self) -> impl Iterator<Item = Range<usize>> {
         self.0.iter().map(|filter| filter.written.clone())
     }
 
-    /// The nearest of `rule`'s filters around `offset`.
+    /// Severity by the innermost filter for `rule` around `offset`.
     fn severity(&self, rule: &str, offset: usize) -> Option<Severity> {
         let around = self.around(offset);
         let mut of_rule = around.filter(|filter| filter.setting.rule == rule);
         of_rule.next().map(|filter| filter.setting.severity)
     }
 
-    /// Those that hold at `offset`, innermost first.
+    /// Filters that apply at `offset`, innermost first.
     fn around(&self, offset: usize) -> impl Iterator<Item = &Filter> {
         let starts = self
             .0
@@ -154,12 +154,12 @@ impl Reader<'_> {
         let previous = index
             .checked_sub(1)
             .map(|previous| &self.tokens[previous].0);
-        // A condition may stand before a directive.
+        // A condition (`@if(…)`) may precede a directive.
         previous.is_none_or(|token| matches!(token, Token::SymSemicolon | Token::SymParenRight))
             && self.word(index + 1) == "("
     }
 
-    /// Reads the attributes that begin at `start`; the place after them.
+    /// Reads the attributes that begin at `start`; returns the index of the token after them.
     fn attributes(&mut self, start: usize) -> Result<usize, Fault> {
         let mut settings: Vec<(Setting, Range<usize>)> = Vec::new();
         let mut index = start;
@@ -215,7 +215,7 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    /// Reads the directive at `index`; the place after it.
+    /// Reads the directive at `index`; returns the index of the token after it.
     fn directive(&mut self, index: usize) -> Result<usize, Fault> {
         let end = self.close(index + 1);
         let setting = self.setting(index + 1, end)?;
@@ -242,7 +242,7 @@ impl Reader<'_> {
         Ok(end + 1)
     }
 
-    /// What stands in the parentheses from `open` to before `end`: the parser has seen that it is in order.
+    /// Setting in the parentheses from `open` to before `end`. The parser has already checked its syntax.
     fn setting(&self, open: usize, end: usize) -> Result<Setting, Fault> {
         let severity = self.word(open + 1);
         let rule = (open + 3..end.saturating_sub(1)).map(|index| self.word(index));
@@ -260,7 +260,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The place after the parentheses that open at `open`; `open` where none do.
+    /// Index of the token after the parentheses that open at `open`; `open` where none open there.
     fn close(&self, open: usize) -> usize {
         if self.word(open) != "(" {
             return open;
@@ -277,7 +277,7 @@ impl Reader<'_> {
         self.tokens.len()
     }
 
-    /// The place after the first block that opens at or after `start`.
+    /// Index of the token after the first block that opens at or after `start`.
     fn block_end(&self, start: usize) -> usize {
         let mut depth = 0usize;
         for index in start..self.tokens.len() {
@@ -291,14 +291,14 @@ impl Reader<'_> {
         self.tokens.len()
     }
 
-    /// Where the text of what lies before the place `end` ends.
+    /// Offset in the text at which the last token before `end` ends.
     fn end_of(&self, end: usize) -> usize {
         let last = end.checked_sub(1).and_then(|last| self.tokens.get(last));
         last.map_or(0, |(_, range)| range.end)
     }
 }
 
-/// The texts of the modules that were linked, with their filters: what a span leads to.
+/// The linked modules' texts and filters, by which a span leads to its author's text.
 pub(crate) struct Places<'a> {
     pub(crate) library: &'a Library,
     /// By module.
@@ -306,7 +306,7 @@ pub(crate) struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// What comes of a breach of `rule` at `span`.
+    /// Severity of a breach of `rule` at `span`.
     pub(crate) fn severity(&self, rule: Rule, span: Span) -> Severity {
         let found = self.locate(span).and_then(|(module, range)| {
             self.filters
@@ -333,8 +333,8 @@ impl<'a> Places<'a> {
         Some((module, start..start + range.len()))
     }
 
-    /// Filters that have no effect, in the modules in order: of rules that WGSL does not have, of which browsers
-    /// warn, too, and what cannot be written again.
+    /// Filters that have no effect, in the modules' order: those of rules that WGSL does not have (browsers warn of
+    /// them, too), and those that cannot be written again.
     pub(crate) fn idle_filters(&self) -> Vec<Fault> {
         let mut modules: Vec<_> = self.filters.iter().collect();
         modules.sort_by_key(|(module, _)| **module);
@@ -346,7 +346,7 @@ impl<'a> Places<'a> {
                     continue;
                 }
                 let place = self.library.source(*module).place(filter.written.clone());
-                // A name with a point is for another tool.
+                // A rule's name with a dot in it belongs to another tool.
                 if rule.contains('.') {
                     if filter.on == On::Statement {
                         let message =
@@ -369,12 +369,12 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The filters that a linked module's text is to say.
+/// Filters to print in a linked module's text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Written {
-    /// What all functions agree on.
+    /// Settings that all functions share.
     directives: Vec<Setting>,
-    /// By the functions' numbers.
+    /// Attributes of each function, by its index.
     functions: Vec<Attributes>,
     entry_points: Vec<Attributes>,
 }
@@ -382,15 +382,15 @@ pub(crate) struct Written {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Attributes {
     function: Vec<Setting>,
-    /// On blocks, by their numbers in the order in which they open; the function's own is 0.
+    /// Settings of blocks, by the order in which the blocks open; the function's own block is number 0.
     blocks: Vec<(u32, Setting)>,
 }
 
 impl Written {
-    /// What `module` must say so that each operation meets the severity that its author wanted.
+    /// Filters that `module` must print so that each operation has the severity that its author asked for.
     ///
-    /// Naga's IR has no statement for some places of an attribute: the block around takes the mildest that
-    /// is wanted in it, so that nothing is refused that the author allowed.
+    /// Some places of an attribute have no statement in naga's IR. The block around such a place takes the mildest
+    /// severity that is asked for in it, so that nothing is refused that the author allowed.
     pub(crate) fn new(module: &Module, places: &Places<'_>) -> Self {
         if places.filters.values().all(|filters| filters.0.is_empty()) {
             return Self::default();
@@ -420,7 +420,7 @@ impl Written {
                 directives.push(setting);
             }
         }
-        // A function's own severity may be the rule's own again, which needs no words.
+        // A severity equal to the rule's default needs no attribute.
         let default =
             |setting: &Setting| Rule::known(&setting.rule) && setting.severity == Severity::Error;
         directives.retain(|setting| !default(setting));
@@ -436,11 +436,11 @@ impl Written {
         }
     }
 
-    /// `text`, as naga wrote it, with the filters.
+    /// `text`, as naga wrote it, with the filters added.
     pub(crate) fn annotate(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         for setting in &self.directives {
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(out, "diagnostic({setting});");
         }
         if !self.directives.is_empty() && !text.starts_with("enable ") {
@@ -449,8 +449,8 @@ impl Written {
         let mut all = self.functions.iter().chain(&self.entry_points);
         let mut attributes = None;
         let mut opened = 0;
-        // The writer puts functions down in the module's order, entry points last, and opens a block only
-        // at a line's end.
+        // The writer prints functions in the module's order, entry points last, and opens a block only at the end
+        // of a line.
         for line in text.split_inclusive('\n') {
             if line.starts_with("fn ") {
                 attributes = all.next();
@@ -522,7 +522,7 @@ fn attributes<'a>(function: &Function, places: &Places<'a>) -> (Attributes, Vec<
             held.push(severity);
         }
     }
-    // Rules of other tools hold for the function as they were written on it or its module.
+    // A rule of another tool holds for the function as it was written on the function or on its module.
     let mut spans = function.body.span_iter().map(|(_, span)| *span);
     let at = spans.find_map(|span| places.locate(span));
     if let Some((module, range)) = at
@@ -540,13 +540,12 @@ fn attributes<'a>(function: &Function, places: &Places<'a>) -> (Attributes, Vec<
     (attributes, rules)
 }
 
-/// The blocks of a function in the order in which they open, with the mildest severity that is wanted
-/// directly in each.
+/// Blocks of a function in the order in which they open, each with the mildest severity asked for directly in it.
 struct Blocks<'a, 'b> {
     function: &'a Function,
     places: &'a Places<'b>,
     rule: Rule,
-    /// For each block, the number of the one around it, and the severity.
+    /// For each block, the number of the block around it, and the severity.
     wanted: Vec<(usize, Option<Severity>)>,
 }
 
@@ -567,7 +566,7 @@ impl Blocks<'_, '_> {
         }
     }
 
-    /// Visits the blocks within `statement`, as the writer puts them down.
+    /// Visits the blocks within `statement`, in the order in which the writer prints them.
     fn within(&mut self, statement: &Statement, around: usize) {
         match statement {
             Statement::If { accept, reject, .. } => {
@@ -611,7 +610,7 @@ impl Blocks<'_, '_> {
     }
 }
 
-/// Whether the module has subgroup operations or built-in values, for which the writer enables nothing.
+/// Whether the module has subgroup operations or built-in values. The writer prints no `enable` for them.
 pub(crate) fn uses_subgroups(module: &Module) -> bool {
     let functions = module.functions.iter().map(|(_, function)| function);
     let entries = module.entry_points.iter().map(|entry| &entry.function);

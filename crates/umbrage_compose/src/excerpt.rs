@@ -1,14 +1,14 @@
-//! The part of a text that a fault shows: its own lines, and of a very long line what is near the place.
+//! Excerpts of a text for a fault: whole lines around its place, and of a very long line only the part near it.
 
 use std::ops::Range;
 
 use codespan_reporting::files;
 
-/// Lines of more characters than this are cut.
+/// Lines with more characters than this are cut.
 const LONGEST_LINE: usize = 240;
-/// How many characters of a line that is cut stay before the place and after it.
+/// Number of characters of a cut line that are kept before the place, and after it.
 const NEAR: usize = 80;
-/// Stands for what is cut away.
+/// Mark in place of the part that is cut out.
 const CUT: &str = "…";
 
 /// Some lines of a file, numbered as they are in it.
@@ -26,7 +26,7 @@ pub(crate) struct Excerpt<'a> {
 }
 
 impl<'a> Excerpt<'a> {
-    /// What shows `range` of `text`; both ends lie between characters.
+    /// Excerpt of `text` for `range`, both ends of which lie between characters.
     pub(crate) fn new(file: &'a str, text: &str, range: Range<usize>) -> Self {
         let start_of_line = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
         let end_of_line = (text[range.end..].find('\n')).map_or(text.len(), |at| range.end + at);
@@ -82,13 +82,13 @@ impl<'a> Excerpt<'a> {
     }
 }
 
-/// [`NEAR`] characters before `at`.
+/// Offset of the character [`NEAR`] characters before `at`.
 fn before(line: &str, at: usize) -> usize {
     let mut places = line[..at].char_indices().rev();
     places.nth(NEAR - 1).map_or(0, |(at, _)| at)
 }
 
-/// [`NEAR`] characters after `at`.
+/// Offset of the character [`NEAR`] characters after `at`.
 fn after(line: &str, at: usize) -> usize {
     let mut places = line[at..].char_indices();
     places.nth(NEAR).map_or(line.len(), |(far, _)| at + far)
@@ -116,7 +116,7 @@ impl<'a> files::Files<'a> for Excerpt<'_> {
     }
 
     fn column_number(&'a self, (): (), _: usize, _: usize) -> Result<usize, files::Error> {
-        // Asked for where the place starts, and nowhere else.
+        // Only asked for the start of the place.
         Ok(self.column)
     }
 
@@ -130,7 +130,7 @@ impl<'a> files::Files<'a> for Excerpt<'_> {
     }
 }
 
-/// `text` with its middle cut out where it is longer than a person reads.
+/// `text`, with its middle cut out where it is too long for a person to read.
 pub(crate) fn shortened(text: String) -> String {
     const FIRST: usize = 600;
     const LAST: usize = 60;
@@ -184,7 +184,7 @@ mod tests {
         let (fault, said) = told(&format!("a {word} b"), &word);
         assert_eq!(fault.location().map(|at| at.column), Some(3));
         assert!(said.len() < 1_000, "{} bytes", said.len());
-        // Its first characters are shown.
+        // The excerpt shows the first characters of the long line.
         assert!(said.contains("│ a yyyy"), "{said}");
     }
 

@@ -1,4 +1,5 @@
-//! `enable` and `requires` directives: what a module asks for, and what of that naga is shown.
+//! `enable` and `requires` directives: the extensions that a module asks for, and the directives that naga must not
+//! see.
 
 use std::ops::Range;
 
@@ -6,15 +7,15 @@ use wgsl_parse::lexer::Token;
 
 use crate::source::Source;
 
-/// What naga has without being asked, and refuses to be asked for.
+/// Extensions that naga offers without a directive, and whose directive it refuses.
 const GIVEN: [&str; 2] = ["subgroups", "unrestricted_pointer_parameters"];
 
-/// What a module asks for.
+/// Extensions that a module asks for.
 #[derive(Debug, Default)]
 pub(crate) struct Extensions {
     /// The names in its `enable` directives, in their order.
     pub(crate) enabled: Vec<String>,
-    /// What naga is not to see.
+    /// Parts of the text to hide from naga.
     pub(crate) blanks: Vec<Range<usize>>,
 }
 
@@ -31,7 +32,7 @@ impl Extensions {
         };
         let mut out = Self::default();
         for (index, (_, range)) in tokens.iter().enumerate() {
-            // Both are keywords, so that nothing else is written so.
+            // Both words are keywords, so they occur nowhere else.
             let enables = word(index) == "enable";
             let before = blanks.partition_point(|blank| blank.start <= range.start);
             let blank = before > 0 && range.start < blanks[before - 1].end;
@@ -44,7 +45,7 @@ impl Extensions {
             while end < tokens.len() && word(end) != ";" {
                 let name = word(end);
                 if GIVEN.contains(&name) {
-                    // With the comma after it, or else the one before.
+                    // Take the comma after the name with it, or else the comma before.
                     let next = &tokens[(end + 1).min(tokens.len() - 1)].1;
                     let range = match word(end + 1) {
                         "," => tokens[end].1.start..next.end,

@@ -8,9 +8,9 @@ use crate::{Cause, Error, Fault, error::Place};
 #[derive(Clone, Debug)]
 pub(crate) struct SourceText {
     pub(crate) file: String,
-    /// What could be read of it.
+    /// The text, as far as it could be read.
     pub(crate) text: Arc<str>,
-    /// Why it could not be read.
+    /// The reason why the file could not be read.
     pub(crate) fault: Option<Fault>,
 }
 
@@ -35,7 +35,7 @@ impl SourceText {
         }
     }
 
-    /// Reads the file at `path`, or notes why it cannot be read, for where it is needed.
+    /// Reads the file at `path`. Where that fails, keeps the fault for the moment when the text is needed.
     pub(crate) fn load(path: &Path) -> Self {
         let file = path.display().to_string();
         let bytes = match fs::read(path) {
@@ -48,7 +48,7 @@ impl SourceText {
             }
         };
         match String::from_utf8(bytes) {
-            // Some editors begin a file with a mark of its encoding, which is no part of the text.
+            // Some editors begin a file with a byte order mark, which is not part of the text.
             Ok(text) => Self::new(file, text.strip_prefix('\u{feff}').unwrap_or(&text)),
             Err(error) => {
                 let at = error.utf8_error().valid_up_to();

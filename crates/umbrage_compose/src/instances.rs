@@ -1,14 +1,15 @@
 //! Implementations that would share state.
 //!
-//! A module is in a shader once, whoever imports it and by whatever name: its resources are one for all. Two
-//! implementations of one interface, called side by side, are meant to be two things, each with resources of its own that
-//! the host makes for it; where something below both of them declares a resource, both read one, and the host's
-//! last word for one of them is wrong for the other. So that is a fault, as are two resources of theirs that a host which
-//! binds by names cannot tell apart, and one function with resources that a module calls by two names.
+//! A shader contains a module once, however many modules import it and under whatever names, so all of them share
+//! its resources. Two implementations of one interface, called side by side, are meant to be independent, each with
+//! resources of its own that the host makes. Where something below both of them declares a resource, both read the
+//! same one, and the value that the host sets last for one is wrong for the other. So that is a fault. So are two
+//! of their resources that a host which binds by name cannot tell apart, and one function with resources that a
+//! module calls by two names.
 //!
-//! None of this concerns an implementation that is another's part (called by it alone), what else in the shader
-//! speaks of a resource too (the pass's frame, say: it is everyone's), or implementations without resources of their
-//! own, which only ask what is bound to other interfaces.
+//! Three things are allowed: an implementation that is part of another (called by it alone); a resource that the
+//! rest of the shader uses too (such as the pass's frame, which is meant to be shared); and implementations without
+//! resources of their own, which only ask what is bound to other interfaces.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,22 +30,22 @@ use crate::{
 pub(crate) struct Call {
     /// The calling module.
     pub(crate) module: usize,
-    /// What it calls the function by.
+    /// Name by which it calls the function.
     pub(crate) name: String,
-    /// The name in that which is of the calling module's own choosing, if any.
+    /// First part of that name, where the calling module chose it itself.
     pub(crate) alias: Option<String>,
-    /// Whether it asks an interface for it.
+    /// Whether the call goes through an interface.
     pub(crate) by_interface: bool,
     pub(crate) target: FunctionId,
 }
 
-/// A linked module with what its parts came from.
+/// A linked module, and the declarations that its parts came from.
 pub(crate) struct Origins<'a> {
     pub(crate) library: &'a Library,
     pub(crate) root: usize,
     pub(crate) module: &'a Module,
     pub(crate) functions: &'a FxHashMap<Handle<Function>, FunctionId>,
-    /// What the functions' authors call them.
+    /// Names of the functions as their authors wrote them.
     pub(crate) names: &'a FxHashMap<FunctionId, String>,
     pub(crate) variables: &'a FxHashMap<Handle<GlobalVariable>, Item>,
     /// The calls of each module, in a fixed order.
@@ -77,7 +78,7 @@ pub(crate) fn check(origins: &Origins<'_>) -> Result<(), Fault> {
 /// The functions that implement an interface, by their modules.
 type Implementations = BTreeMap<usize, BTreeMap<usize, BTreeSet<Handle<Function>>>>;
 
-/// The linked modules that have each function of an interface, and which functions these are.
+/// The linked modules that implement every function of an interface, and these functions.
 fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     let library = origins.library;
     let declared = |module: usize| -> Result<BTreeSet<String>, Fault> {
@@ -89,7 +90,7 @@ fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     };
     let mut found = Implementations::new();
     for (interface, source) in library.sources().iter().enumerate() {
-        // An interface that does not parse is in no linked module.
+        // No linked module has an interface that does not parse.
         if !source.is_interface() || library.syntax(interface).is_err() {
             continue;
         }
@@ -123,13 +124,14 @@ fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
     twice
 }
 
-/// What the call `name` of `item` calls it by, or its module, where that is none of their own names.
+/// Name that the caller itself chose for `item` or for its module, in the call `name`; none where the call uses
+/// their own names.
 pub(crate) fn alias(library: &Library, name: &str, item: &Item) -> Option<String> {
     let parts: Vec<_> = name.split(JOINT).collect();
     let own = match *parts.as_slice() {
         [_] => Some(item.name.as_str()),
         ["package" | "super" | "self", ..] => return None,
-        // The first part is an imported module's, or a package's.
+        // The first part is the name of an imported module or of a package.
         _ => {
             let path = &library.source(item.module).path;
             path.rsplit("::").nth(parts.len() - 2)
@@ -138,12 +140,13 @@ pub(crate) fn alias(library: &Library, name: &str, item: &Item) -> Option<String
     (own != Some(parts[0])).then(|| parts[0].to_owned())
 }
 
-/// The function that `call` calls, in its author's words.
+/// The called function's name, as the caller wrote it.
 fn written(call: &Call) -> String {
     call.name.replace(JOINT, "::")
 }
 
-/// Who calls whom in a linked module, and which resources each speaks of. Entry points are functions of no handle.
+/// Call graph of a linked module, with the resources that each function uses. Entry points are functions without a
+/// handle.
 struct Graph<'a> {
     origins: &'a Origins<'a>,
     nodes: Vec<Node>,
@@ -291,7 +294,8 @@ impl<'a> Graph<'a> {
         Ok(())
     }
 
-    /// The functions that `parts` lead to, themselves among them; `alone`: without asking other interfaces.
+    /// Functions that `parts` call, directly or not, and `parts` themselves; with `alone`, without following calls
+    /// through other interfaces.
     fn reached(&self, parts: &BTreeSet<Handle<Function>>, alone: bool) -> Nodes {
         let mut reached = Nodes::new();
         let mut waiting: Vec<_> = parts.iter().map(|handle| self.by_handle[handle]).collect();
@@ -323,7 +327,7 @@ impl<'a> Graph<'a> {
             .collect()
     }
 
-    /// Whether `parts` are called by more than themselves and the `other` implementation.
+    /// Whether any function calls `parts` apart from themselves and the `other` implementation.
     fn is_called_outside(
         &self,
         module: usize,
@@ -368,7 +372,7 @@ impl<'a> Graph<'a> {
         Some(source.place_labelled(start..start + range.len(), label))
     }
 
-    /// Where one of `parts` of `module` is called from another module; its own place where none does.
+    /// Place where another module calls one of the `parts` of `module`; the start of `module` where none does.
     fn entry(&self, module: usize, parts: &BTreeSet<Handle<Function>>, label: &str) -> Place<'a> {
         let targets: Vec<_> = parts
             .iter()

@@ -1,4 +1,4 @@
-//! What a shader needs that its target lacks, in words.
+//! Capabilities that a shader needs and its target lacks, in words.
 
 use naga::{
     Module,
@@ -7,8 +7,9 @@ use naga::{
 
 use crate::Target;
 
-/// What `module` needs beyond what `target` offers: without it, the module is refused as it is, and with it not, or
-/// for another reason. The fewest, as far as leaving out one by one finds them.
+/// Capabilities that `module` needs beyond those of `target`: without them, the module is refused as it is now;
+/// with them, it is valid or refused for another reason. Found by leaving out one at a time, so the set is not
+/// always the smallest.
 pub(crate) fn lacking(module: &Module, target: &Target) -> Capabilities {
     let refusal = |capabilities: Capabilities| {
         let mut validator = Validator::new(ValidationFlags::all(), capabilities);
@@ -23,7 +24,7 @@ pub(crate) fn lacking(module: &Module, target: &Target) -> Capabilities {
     }
     let mut needed = Capabilities::all();
     let offered = target.capabilities();
-    // What is more comes after what is less, and is left out before it.
+    // A stronger capability comes after a weaker one, so going backwards leaves out the stronger one first.
     let beyond: Vec<_> = Capabilities::all().difference(offered).iter().collect();
     for one in beyond.into_iter().rev() {
         let without = needed.difference(one);
@@ -34,7 +35,7 @@ pub(crate) fn lacking(module: &Module, target: &Target) -> Capabilities {
     needed.difference(offered)
 }
 
-/// What `module` needs and `target` lacks as a fault's message, with what to do; none where it lacks nothing.
+/// Message and advice for a fault about the `lacking` capabilities; none where nothing is lacking.
 pub(crate) fn told(lacking: Capabilities, target: &Target) -> Option<(String, String)> {
     let mut whats = Vec::new();
     let mut features = Vec::new();
@@ -64,8 +65,8 @@ pub(crate) fn told(lacking: Capabilities, target: &Target) -> Option<(String, St
     Some((message, advice))
 }
 
-/// What `capability`, one flag, is called, and the feature that a device has where it offers it: WebGPU's own in
-/// lower case, wgpu's in capitals.
+/// Name of `capability` (a single flag), and the device feature that offers it: WebGPU's features in lower case,
+/// wgpu's in capitals.
 fn described(capability: Capabilities) -> (&'static str, &'static str) {
     type C = Capabilities;
     match capability {

@@ -51,19 +51,20 @@
 //!    are put right. Calls of stand-ins lead to the real functions, through the bindings.
 //! 4. Binding numbers are the authors' where they are free, and otherwise the least free ones, in the
 //!    order of the modules' paths: the same for everyone, always.
-//! 5. Naga validates the module against the target, and what naga does not check is checked by rules of our own
-//!    (`rules`): aliases, flow, constants, stages, limits. Uniformity is decided as WGSL's specification does
-//!    (`uniformity`). Diagnostic filters hold where their authors wrote them, and are printed again.
+//! 5. Naga validates the module against the target. Rules of our own (`rules`) check what naga does not: aliases,
+//!    flow, constants, stages, limits. Uniformity is decided by WGSL's specification (`uniformity`). Diagnostic
+//!    filters hold where their authors wrote them, and are printed again.
 //!
 //! Before any of that, a key is *projected*: following imports and bindings from the root notes each
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
 //! are put at their defaults. Keys of one projection are one permutation.
 //!
-//! # What a host knows by name
-//! In a permutation's [WGSL](Permutation::wgsl), entry points, overrides and structs' members have their authors' names,
-//! and resources have those of the [`Reflection`]. Overrides stay overrides, what is worked out from them too; in
-//! [SPIR-V](Permutation::spirv) they are constants of their defaults. Faults are: two overrides of one name or number that
-//! are not one declaration, and two implementations of an interface side by side that would share a resource.
+//! # Names that a host can rely on
+//! In a permutation's [WGSL](Permutation::wgsl), entry points, overrides and structs' members keep their authors'
+//! names, and resources have the names given in the [`Reflection`]. Overrides stay overrides, including those
+//! computed from other overrides; in [SPIR-V](Permutation::spirv) they are constants at their defaults. It is a
+//! fault where two different overrides have the same name or number, and where two implementations of an interface
+//! side by side would share a resource.
 //!
 //! # Counted fetches
 //! What a pixel costs is best counted where it is spent. A value of an axis may ask that a function be

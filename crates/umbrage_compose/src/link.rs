@@ -37,7 +37,7 @@ pub(crate) struct Linked {
     pub(crate) module: Module,
     pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
-    /// The diagnostic filters of each module that was taken from.
+    /// Diagnostic filters of each module that something was copied from.
     pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
 }
 
@@ -121,7 +121,7 @@ impl Targets<'_> {
         Ok(target)
     }
 
-    /// The calls that were followed, by modules and then as their units number what they call.
+    /// Calls that were followed, ordered by module and then by the unit's numbers of the called functions.
     fn calls(&self) -> Result<Vec<Call>, Fault> {
         let mut calls = Vec::new();
         for (&(module, called), &target) in &self.known {
@@ -504,7 +504,7 @@ impl Linker<'_> {
     }
 }
 
-/// The place of each item's copy, which is how it is known after compaction has renumbered `copies`.
+/// Place of each item's copy. It still identifies the copy after compaction has renumbered `copies`.
 fn places<K: Clone, T>(items: &FxHashMap<K, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, K> {
     let items = items.iter();
     items
@@ -512,7 +512,7 @@ fn places<K: Clone, T>(items: &FxHashMap<K, Handle<T>>, copies: &Arena<T>) -> Fx
         .collect()
 }
 
-/// Which item each of `copies` came from.
+/// The item that each of `copies` came from.
 fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap<Handle<T>, K> {
     let copies = copies
         .iter()
@@ -522,5 +522,5 @@ fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap
         .collect()
 }
 
-/// A stretch of all the library's texts.
+/// A range in the concatenated texts of the library.
 type Place = std::ops::Range<usize>;

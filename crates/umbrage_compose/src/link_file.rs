@@ -18,8 +18,8 @@ use crate::{
 /// a concrete type (`const A = 1;`) and assertions.
 ///
 /// A module's diagnostic directives hold for that module's functions: they are printed as directives where all
-/// functions agree, and as attributes of functions otherwise. Attributes of statements become those of the
-/// blocks within; where a statement's condition needs one, of the block around it.
+/// functions agree, and as attributes of functions otherwise. Attributes of statements become attributes of the
+/// blocks within; where a statement's condition needs one, it goes on the block around the statement.
 ///
 /// # Errors
 /// Faults in the modules, features that nothing reads, and modules that do not exist.
@@ -93,7 +93,7 @@ pub fn link_file(
     Ok(Composer::new(library, target).link_declarations(&request)?)
 }
 
-/// The name of the folder `dir`, mended so that paths can begin with it.
+/// Name of the folder `dir`, changed where needed so that paths can begin with it.
 fn package_name(dir: &Path) -> String {
     let full = dir.canonicalize().unwrap_or_else(|_| dir.to_owned());
     let name = full.file_name().unwrap_or_default().to_string_lossy();

@@ -139,7 +139,7 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
             }
         });
     }
-    // Each product is sorted: this puts them together.
+    // Each product is sorted by itself; sort all of them together.
     keys.sort();
     keys.dedup();
     let rules = own;

@@ -26,7 +26,7 @@ pub(crate) enum Meaning {
     Item(Item),
     /// A module, for paths that start with its name.
     Module(usize),
-    /// Nothing that there is: a fault where the name is used, and only there.
+    /// Nothing: the name resolves to no item. That is a fault only where the name is used.
     Nothing(Fault),
 }
 
@@ -40,7 +40,7 @@ impl Meaning {
     }
 }
 
-/// `name` as paths write it, `-` as `_`; a fault where no path can begin with it.
+/// `name` as paths write it, with `_` for `-`; a fault where no path can begin with it.
 pub(crate) fn package_name(name: &str) -> Result<String, Fault> {
     let written = name.replace('-', "_");
     if may_stand_in_paths(&written) {
@@ -53,7 +53,7 @@ pub(crate) fn package_name(name: &str) -> Result<String, Fault> {
     ))
 }
 
-/// Whether `name` may be a part of a path: what the parser takes for one.
+/// Whether the parser accepts `name` as part of a path.
 pub(crate) fn may_stand_in_paths(name: &str) -> bool {
     let Ok(unit) = wgsl_parse::parse_str(&format!("import {name}::item;")) else {
         return false;
@@ -62,7 +62,7 @@ pub(crate) fn may_stand_in_paths(name: &str) -> bool {
         path.components.is_empty()
             && matches!(&path.origin, PathOrigin::Package(package) if package == name)
     };
-    // Names become parts of WGSL's identifiers, which must not begin so.
+    // Names become parts of WGSL identifiers, which must not begin with two underscores.
     !name.starts_with("__")
         && unit.global_declarations.is_empty()
         && (unit.imports.iter()).all(|import| import.path.as_ref().is_some_and(is_name))
@@ -85,7 +85,8 @@ pub(crate) trait Translations {
     fn translated(&mut self, module: usize) -> Result<std::sync::Arc<Translated>, Fault>;
 }
 
-/// What `module`'s imports bring into scope. A name that stands for nothing is no fault until it is used.
+/// Names that `module`'s imports bring into scope. A name that resolves to nothing is a fault only where it is
+/// used.
 pub(crate) fn imports(
     library: &Library,
     module: usize,
@@ -132,7 +133,7 @@ pub(crate) fn imports(
         .collect())
 }
 
-/// A module, and where in it a path is written.
+/// A module, and the place in it at which a path is written.
 struct Site<'a> {
     library: &'a Library,
     source: &'a Source,
@@ -145,11 +146,11 @@ impl Site<'_> {
     }
 }
 
-/// An item of an import: its path as written, its absolute path or the fault of it, and the item.
+/// An item of an import: its path as written, its absolute path or the fault in it, and the item.
 type Imported<'a> = (String, Result<Vec<String>, Fault>, &'a ImportItem);
 
-/// Each item that `statement` imports: its path as written, its absolute path, from its package on, or the
-/// fault of it, and the item.
+/// Each item that `statement` imports: its path as written, its absolute path (beginning with its package) or the
+/// fault in it, and the item.
 fn flatten<'a>(site: &Site<'_>, statement: &'a ImportStatement) -> Vec<Imported<'a>> {
     let mut items = Vec::new();
     collect(&[], &statement.content, &mut items);
@@ -163,7 +164,7 @@ fn flatten<'a>(site: &Site<'_>, statement: &'a ImportStatement) -> Vec<Imported<
                 });
                 (written, absolute)
             }
-            // Without a path before it, a list's first names are packages.
+            // In a list with no path before it, each first name is a package.
             None => {
                 let package = package(site, &segments[0]).map(str::to_owned);
                 let written = segments.join("::");
@@ -213,7 +214,7 @@ fn absolute(site: &Site<'_>, path: &ModulePath) -> Result<Vec<String>, Fault> {
     Ok(segments)
 }
 
-/// The own name of the package that the module calls `name`.
+/// Actual name of the package that the module calls `name`.
 fn package<'a>(site: &Site<'a>, name: &'a str) -> Result<&'a str, Fault> {
     let known = site.library.package_name(site.source.package, name);
     known.ok_or_else(|| {
@@ -226,7 +227,7 @@ fn package<'a>(site: &Site<'a>, name: &'a str) -> Result<&'a str, Fault> {
     })
 }
 
-/// The path of the module, `up` levels less.
+/// Path of the module without its last `up` parts.
 fn parent(site: &Site<'_>, up: usize) -> Result<Vec<String>, Fault> {
     let path = &site.source.path;
     let mut segments: Vec<_> = path.split("::").map(str::to_owned).collect();
@@ -238,7 +239,7 @@ fn parent(site: &Site<'_>, up: usize) -> Result<Vec<String>, Fault> {
     Ok(segments)
 }
 
-/// What a path written in code, at `range`, stands for: its first name may be an imported module.
+/// Meaning of a path written in code, at `range`: its first name may be an imported module.
 pub(crate) fn written_path(
     library: &Library,
     (source, range): (&Source, Range<usize>),

@@ -1,4 +1,4 @@
-//! Overrides: what a host sets by its name or number.
+//! Overrides: constants that a host sets by name or number.
 
 use std::{
     borrow::Cow,
@@ -31,14 +31,14 @@ pub struct Override {
     pub id: Option<u16>,
     /// The module that declares it, as `package::folder::module`.
     pub module: String,
-    /// What it is.
+    /// Its type.
     pub ty: OverrideType,
-    /// Its value where the host sets nothing, as WebGPU takes it (1 and 0 for true and false); none where the host must
-    /// set it, or one that it is worked out from.
+    /// Its value where the host sets nothing, in WebGPU's form (1 and 0 for true and false). None where the host
+    /// must set this override, or an override that its default is computed from.
     pub default: Option<f64>,
-    /// Whether its default is worked out from other overrides, and follows what the host sets these to.
+    /// Whether its default is computed from other overrides, and so follows the values that the host sets for them.
     pub derived: bool,
-    /// What it is in SPIR-V.
+    /// Its form in SPIR-V.
     pub spirv: InSpirv,
 }
 
@@ -58,14 +58,14 @@ pub enum OverrideType {
     U32,
 }
 
-/// What an override is in [`Permutation::spirv`](crate::Permutation::spirv): never a specialisation constant, as naga's
-/// writer knows none.
+/// Form of an override in [`Permutation::spirv`](crate::Permutation::spirv). It is never a specialisation constant,
+/// as naga's writer has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InSpirv {
-    /// A constant of its default: no host can set it.
+    /// A constant at its default, which no host can change.
     FixedAtDefault,
-    /// It has no default, so that there is no SPIR-V of the permutation.
+    /// None: the override has no default, so the permutation cannot be written as SPIR-V.
     NotWritten,
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// What a host may know by a name or number.
+/// A declaration that a host may know by a name or number.
 enum Known<'a> {
     /// An entry point of this module.
     EntryPoint(usize),
@@ -169,7 +169,7 @@ pub(crate) fn resolved<'a>(
     if !module.overrides.iter().any(|(_, item)| is_nameless(item)) {
         return process_overrides(module, info, None, &constants);
     }
-    // Naga passes over what has no name, and then takes one override for another.
+    // Naga skips overrides without a name, and then takes one override for another.
     let mut named = module.clone();
     for (_, item) in named.overrides.iter_mut() {
         item.name.get_or_insert_with(|| "length".to_owned());
@@ -181,7 +181,7 @@ pub(crate) fn resolved<'a>(
     ))
 }
 
-/// What a host may set in a valid `module`, by names.
+/// Overrides that a host may set in a valid `module`, sorted by name.
 pub(crate) fn reflect(
     module: &Module,
     info: &ModuleInfo,
@@ -220,12 +220,12 @@ fn ty(module: &Module, item: &naga::Override) -> Option<OverrideType> {
             (ScalarKind::Uint, _) => OverrideType::U32,
             _ => OverrideType::F32,
         }),
-        // A valid override is a scalar.
+        // The type of a valid override is always a scalar.
         _ => None,
     }
 }
 
-/// Whether a value that begins with `init` depends on an override.
+/// Whether a value with the initializer `init` depends on an override.
 fn is_derived(module: &Module, init: Handle<Expression>) -> bool {
     let mut function = Function {
         expressions: module.global_expressions.clone(),
@@ -241,7 +241,7 @@ fn is_derived(module: &Module, init: Handle<Expression>) -> bool {
     !alone.overrides.is_empty()
 }
 
-/// The value of the override `handle` with all at their defaults.
+/// Value of the override `handle` with all overrides at their defaults.
 fn default(module: &Module, info: &ModuleInfo, handle: Handle<naga::Override>) -> Option<f64> {
     let mut function = Function::default();
     let local = LocalVariable {
@@ -258,7 +258,7 @@ fn default(module: &Module, info: &ModuleInfo, handle: Handle<naga::Override>) -
     let mut alone = without_code(module);
     alone.entry_points.push(entry_point(function, None));
     let (resolved, _) = resolved(&alone, info).ok()?;
-    // What it is worked out from is left as well, and comes before it.
+    // The overrides that it is computed from remain as well, and come before it.
     let (_, last) = resolved.overrides.iter().last()?;
     match resolved.global_expressions[last.init?] {
         Expression::Literal(literal) => number(literal),
@@ -285,8 +285,8 @@ fn number(literal: Literal) -> Option<f64> {
     })
 }
 
-/// The invocations of `entry`'s workgroup along each axis with all overrides at their defaults; 0 where one that
-/// matters has none.
+/// Workgroup size of `entry` along each axis with all overrides at their defaults; 0 where it depends on an
+/// override without a default.
 pub(crate) fn workgroup_size(module: &Module, info: &ModuleInfo, entry: &EntryPoint) -> [u32; 3] {
     let Some(overrides) = entry.workgroup_size_overrides else {
         return entry.workgroup_size;
@@ -310,7 +310,7 @@ pub(crate) fn workgroup_size(module: &Module, info: &ModuleInfo, entry: &EntryPo
     size
 }
 
-/// What of `module` overrides and their values stand on.
+/// Parts of `module` that overrides and their values depend on.
 fn without_code(module: &Module) -> Module {
     Module {
         types: module.types.clone(),

@@ -144,11 +144,11 @@ impl Package {
         Ok(package)
     }
 
-    /// Takes in the module that lies at `within` the package's root; gives its path.
+    /// Adds the module at the path `within` the package's root; returns its module path.
     pub(crate) fn add(&mut self, within: &Path, source: SourceText) -> Result<String, Error> {
         let path = module_path(within);
         if let Some(other) = self.modules.get(&path) {
-            // Folders are listed in any order.
+            // Folders are listed in no fixed order, so sort for a stable message.
             let mut files = [&source.file, &other.file];
             files.sort();
             let [first, second] = files;
@@ -248,7 +248,7 @@ impl Config {
         })
     }
 
-    /// The packages that modules call by the names on the left, in which `-` becomes `_`.
+    /// Packages that modules may refer to, by the names that they use (with `_` for `-`).
     fn dependencies(&self, dir: &Path) -> Result<BTreeMap<String, Dependency>, Error> {
         let mut dependencies = BTreeMap::new();
         for (name, config) in &self.dependencies {

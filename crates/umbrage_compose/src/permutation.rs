@@ -25,15 +25,15 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
-    /// The shader, in naga's IR. It has no words for diagnostic filters, without which a browser may refuse what
-    /// its author allowed: give a browser the text, [`Self::wgsl`].
+    /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
+    /// code that its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
     /// What naga's validator found out.
     pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
-    /// What is worth telling of it, though it does no harm: what the authors' diagnostic filters make less
-    /// than an error, and rules that WGSL does not have.
+    /// Warnings about the shader: breaches that the authors' diagnostic filters make less than an error, and rules
+    /// that WGSL does not have.
     pub warnings: Vec<String>,
     pub(crate) written: Written,
 }
@@ -83,8 +83,8 @@ impl Permutation {
         })
     }
 
-    /// The shader as WGSL, in which entry points, overrides and structs' members have the names that their authors
-    /// gave them, and so has everything else that a host or an author may look for, where no two have one name.
+    /// The shader as WGSL. Entry points, overrides and structs' members have their authors' names, and so does
+    /// everything else that a host or an author may look for, unless two of them have the same name.
     ///
     /// # Errors
     /// Where naga cannot say it in WGSL.
@@ -93,11 +93,11 @@ impl Permutation {
             .map_err(|error| self.unwritable("WGSL", &error))
     }
 
-    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides are constants of
-    /// their defaults in it: naga writes no specialisation constants.
+    /// The shader as SPIR-V, all entry points in one module, clip space as WebGPU has it. Overrides become
+    /// constants at their defaults: naga writes no specialisation constants.
     ///
     /// # Errors
-    /// Where naga cannot say it in SPIR-V; an override without a default, or a default that will not do.
+    /// Code that naga cannot express in SPIR-V; an override without a default, or with an invalid default.
     pub fn spirv(&self) -> Result<Vec<u32>, Error> {
         // Wgpu flips the viewport, not the shader; an engine that takes the words does the same.
         let mut options = naga::back::spv::Options::default();
@@ -111,7 +111,7 @@ impl Permutation {
             .map_err(|error| self.unwritable("SPIR-V", &error))
     }
 
-    /// That overrides at their defaults make no shader.
+    /// Error for overrides whose defaults do not make a valid shader.
     fn unresolved(&self, error: &PipelineConstantError) -> Error {
         let without = self.reflection.overrides.iter();
         let without: Vec<_> = without
@@ -144,7 +144,7 @@ impl Permutation {
     }
 }
 
-/// What WGSL has no words for, where it is declared.
+/// Fault for a declaration that WGSL cannot express, at its place.
 fn wgsl_fault(
     library: &Library,
     root: usize,
@@ -182,7 +182,7 @@ pub(crate) fn validate(
     module: &Module,
     target: &Target,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
-    // Uniformity is decided as the specification has it, which naga does not (`uniformity`).
+    // Naga's uniformity analysis differs from the specification's, which `uniformity` follows.
     let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
     Validator::new(flags, target.capabilities()).validate(module)
 }

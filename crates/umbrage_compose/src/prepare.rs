@@ -22,12 +22,12 @@ use crate::{
 /// A module's text, ready for naga.
 #[derive(Debug)]
 pub(crate) struct Prepared {
-    /// What others' declarations need enabled, the author's text, every byte that stays in its place, and
-    /// the stand-ins.
+    /// The `enable` directives that other modules' declarations need, the author's text with every byte in its
+    /// place, and the stand-ins.
     pub(crate) text: String,
-    /// What of it is the author's.
+    /// The author's part of the text.
     pub(crate) own: Range<usize>,
-    /// What is enabled for others' declarations, and the module that asks for it.
+    /// Extensions enabled for other modules' declarations, and the module that asks for each.
     pub(crate) lent: BTreeMap<String, usize>,
     pub(crate) stubs: Stubs,
     /// The modules that it, or what stands in for others' declarations, takes something from.
@@ -36,11 +36,11 @@ pub(crate) struct Prepared {
     pub(crate) interfaces: BTreeSet<usize>,
     /// Names of its own declarations and of those in scope.
     pub(crate) known: Vec<String>,
-    /// Imported names that stand for nothing, each with the fault that its use is.
+    /// Imported names that resolve to nothing, each with the fault for its use.
     pub(crate) unknown: BTreeMap<String, Fault>,
     /// The features that the text depends on.
     pub(crate) consulted: Consulted,
-    /// The diagnostic filters, which are not in the text.
+    /// The diagnostic filters, which are blanked out of the text.
     pub(crate) filters: Arc<Filters>,
 }
 

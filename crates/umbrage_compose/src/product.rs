@@ -6,29 +6,29 @@ use crate::{
     Axes, Cause, Fault, axes::Rule, file::SourceText, key, manifest::Choice, manifest::in_manifest,
 };
 
-/// More keys than this are a mistake: no one can build them.
+/// Limit on the number of keys: more must be a mistake, as no one can build so many.
 const MOST_KEYS: usize = 1 << 20;
 
-/// Some values of each of some axes.
+/// A product of axes, each with some of its values.
 pub(crate) struct Product(Vec<Factor>);
 
-/// Some values of an axis, sorted, the default apart.
+/// Some values of an axis, sorted, with the default kept apart.
 struct Factor {
     axis: Arc<str>,
     default: Option<Arc<str>>,
     others: Vec<Arc<str>>,
 }
 
-/// Which combinations of a product a rule excludes.
+/// Combinations of a product that a rule excludes.
 pub(crate) struct Excludes {
-    /// Whether any may be.
+    /// Whether the rule can exclude any combination.
     possible: bool,
-    /// Factors, and the values that a combination must have one of.
+    /// Factors, each with the values of which an excluded combination has one.
     values: Vec<(usize, Vec<Arc<str>>)>,
 }
 
 impl Product {
-    /// The product of what a manifest names.
+    /// Product of the axes and values that a manifest names.
     pub(crate) fn new(
         axes: &Axes,
         source: &SourceText,
@@ -74,7 +74,7 @@ impl Product {
         Ok(Self(factors))
     }
 
-    /// Which of its combinations each of `rules` excludes; an axis that is no factor is at its default.
+    /// For each of `rules`, the combinations that it excludes. An axis that is not a factor is at its default.
     pub(crate) fn rules(&self, axes: &Axes, rules: &[Rule]) -> Vec<Excludes> {
         let compiled = rules.iter().map(|rule| {
             let mut excludes = Excludes {
@@ -98,7 +98,7 @@ impl Product {
         compiled.collect()
     }
 
-    /// Calls `visit` with each combination, a value for each factor, and its key's choices; in the order of the
+    /// Calls `visit` with each combination (a value for each factor) and its key's choices, in the order of the
     /// keys.
     pub(crate) fn for_each(&self, visit: &mut Visit<'_>) {
         let values = self.0.iter().map(|factor| match &factor.default {
@@ -123,20 +123,21 @@ impl Excludes {
     }
 }
 
-/// Takes a combination, a value for each factor, and its key's choices.
+/// Callback for a combination: a value for each factor, and its key's choices.
 type Visit<'a> = dyn FnMut(&[Arc<str>], &[key::Choice]) + 'a;
 
 struct Walk<'a, 'v> {
     factors: &'a [Factor],
-    /// The value of each factor; of those not yet chosen, the default.
+    /// Value of each factor; the default for a factor that is not yet chosen.
     values: Vec<Arc<str>>,
     key: Vec<key::Choice>,
     visit: &'a mut Visit<'v>,
 }
 
 impl Walk<'_, '_> {
-    /// Visits all combinations of the factors from `first` on. A key says nothing of defaults: so what has them
-    /// all comes first, and what has another value on an axis comes before what has none until a later one.
+    /// Visits all combinations of the factors from `first` on. A key leaves defaults out, so in the order of keys
+    /// the combination with all of them at their defaults comes first, and a combination that has another value on
+    /// an earlier axis comes before those that have one only on later axes.
     fn from(&mut self, first: usize) {
         let factors = self.factors;
         if (factors[first..].iter()).all(|factor| factor.default.is_some()) {

@@ -30,7 +30,7 @@ pub(crate) trait Modules {
     fn prepared(&self, module: usize) -> Result<std::sync::Arc<Prepared>, Fault>;
 }
 
-/// What the permutation that `request` asks for depends on; with a fault, what was found until then.
+/// Dependencies of the permutation that `request` asks for; with a fault, those found up to it.
 pub(crate) fn dependencies(
     request: &Request,
     modules: &dyn Modules,
@@ -69,20 +69,20 @@ pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key
     Key::new(choices)
 }
 
-/// What keys come to, each way of reading modules gone once: keys that have the same values on the axes that
-/// matter to one of them share its projection.
+/// Projections of keys, found by reading each set of modules only once: keys that have the same values on the axes
+/// that matter share a projection.
 pub(crate) struct Projections<'a> {
     library: &'a Library,
-    /// Axes of which another binds the same interface, or names a root as well: they may contradict each other
-    /// whatever is read.
+    /// Axes that bind the same interface as another axis, or that name a root as another does. Such axes may
+    /// contradict each other whatever is read.
     contested: Vec<Arc<str>>,
-    /// Sets of axes that matter, each with what came of values on them.
+    /// Sets of axes that matter, each with the answers for the values on these axes.
     known: Vec<(Arc<[Arc<str>]>, Answers<'a>)>,
-    /// How many keys were read.
+    /// Number of keys that were read.
     pub(crate) read: usize,
 }
 
-/// What a key's modules say: its projection, or the fault that hides it.
+/// Result of reading a key's modules: its projection, or the fault that prevents it.
 pub(crate) type Answer = Result<Key, Fault>;
 
 type Answers<'a> = HashMap<Vec<Option<&'a str>>, Answer>;
@@ -117,8 +117,8 @@ impl<'a> Projections<'a> {
         }
     }
 
-    /// What `key` comes to, and the axes that matter to it: by what is known already, or else by `read`, which
-    /// gives what was found, as far as the key could be read, and whether it could.
+    /// Answer for `key`, and the axes that matter to it. It is either known already or found by `read`, which
+    /// returns the dependencies (none where the key itself is invalid) and whether reading succeeded.
     pub(crate) fn of(
         &mut self,
         key: &'a Key,
@@ -126,7 +126,7 @@ impl<'a> Projections<'a> {
     ) -> (Answer, Arc<[Arc<str>]>) {
         let axes = self.library.axes();
         let values = |matter: &[Arc<str>]| -> Vec<Option<&'a str>> {
-            // The library outlives what is known of it, as the keys do.
+            // Values borrow from the library, which outlives this map, as the keys do.
             let value = |axis: &Arc<str>| self.library.axes().value(key, axis);
             matter.iter().map(value).collect()
         };
@@ -147,7 +147,7 @@ impl<'a> Projections<'a> {
             .filter(|(axis, effect)| match &found {
                 Some(found) => (axis.values.values())
                     .any(|other| !same_as_far(&other.numbers, &effect.numbers, found, answer.is_err())),
-                // What is wrong with the key itself, its other choices may mend.
+                // Another value on any axis may mend an invalid key.
                 None => true,
             } || self.contested.iter().any(|contested| **contested == *axis.name))
             .map(|(axis, _)| axes.name(&axis.name))
@@ -163,8 +163,8 @@ impl<'a> Projections<'a> {
     }
 }
 
-/// Whether two values make no difference to a permutation that depends on what was `found`; where reading was
-/// `cut_short`, any feature may have.
+/// Whether two values make no difference to a permutation with the dependencies `found`. Where reading was
+/// `cut_short`, any feature may make one.
 fn same_as_far(
     a: &EffectNumbers,
     b: &EffectNumbers,
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::{Composer, Package, Target};
 
-    /// A library of `unread` axes that no module reads, and of one that is read.
+    /// A library with `unread` axes that no module reads, and one axis that a module reads.
     fn library(unread: usize) -> Library {
         let axes: String = (0..unread)
             .map(|n| {

@@ -1,4 +1,4 @@
-//! What a linked permutation asks of its host: entry points, vertex inputs, bindings and overrides.
+//! Interface of a linked permutation to its host: entry points, vertex inputs, bindings and overrides.
 
 use naga::{
     AddressSpace, ArraySize, Binding as IoBinding, GlobalVariable, Handle, ImageClass,
@@ -16,7 +16,7 @@ pub struct Reflection {
     pub entry_points: Vec<EntryPoint>,
     /// What is to be bound, by group and binding number.
     pub bindings: Vec<Binding>,
-    /// What may be set, by name.
+    /// The overrides that a host may set, sorted by name.
     pub overrides: Vec<Override>,
 }
 
@@ -29,8 +29,8 @@ pub struct EntryPoint {
     pub stage: Stage,
     /// A vertex stage's inputs by location; of other stages, none.
     pub inputs: Vec<VertexInput>,
-    /// A compute stage's invocations a workgroup, with overrides at their defaults (0 where one that matters has
-    /// none); of other stages, zeros.
+    /// Workgroup size of a compute stage, with overrides at their defaults (0 where it depends on one without a
+    /// default); zeros for other stages.
     pub workgroup_size: [u32; 3],
 }
 
@@ -82,7 +82,7 @@ pub struct Binding {
     pub binding: u32,
     /// The module that declares it, as `package::folder::module`.
     pub module: String,
-    /// Its name in that module; in the permutation's WGSL, too, unless another module's resource has it there.
+    /// Its name in that module. The permutation's WGSL uses the same name, unless another module's resource has it.
     pub name: String,
     /// The stages that use it.
     pub stages: Vec<Stage>,
@@ -217,8 +217,8 @@ pub enum MemberType {
     Struct(Layout),
 }
 
-/// Reflects a valid `module`; `owner` tells the module and name that a variable came from, `settable` is what
-/// may be set in it.
+/// Reflects a valid `module`. `owner` gives the module and name that a variable came from, `settable` the overrides
+/// that may be set.
 pub(crate) fn reflect(
     module: &Module,
     info: &ModuleInfo,

@@ -1,7 +1,7 @@
-//! WebGPU's and WGSL's rules that naga does not check, one a file.
+//! Rules of WebGPU and WGSL that naga does not check, one file each.
 //!
-//! Each is a function of the linked module that gives the first fault, at its author's place. Dawn is the oracle:
-//! the tests hold every verdict against its own (`tests/dawn`).
+//! Each rule is a function that takes the linked module and returns the first fault, at its author's place. Dawn is
+//! the oracle: the tests compare every verdict with its own (`tests/dawn`).
 
 mod abstracts;
 mod aliases;
@@ -20,14 +20,15 @@ use crate::{Cause, Fault, Library, Reflection, Target, target::Limit};
 
 use constants::Constants;
 
-/// What is wrong in a module's text.
+/// A fault in a module's text.
 pub(crate) struct Problem {
     pub(crate) span: Span,
     pub(crate) message: String,
     pub(crate) advice: &'static str,
 }
 
-/// Checks what a module must keep by itself, whatever it is linked with; `text` is what naga parsed it from.
+/// Checks the rules that `module` must keep by itself, whatever it is linked with. `text` is the text that naga
+/// parsed it from.
 pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
     let constants = Constants::new(module)?;
     for function in functions(module) {
@@ -46,24 +47,24 @@ fn functions(module: &Module) -> impl Iterator<Item = &Function> {
     functions.chain(entries)
 }
 
-/// A linked module, and what it is checked for.
+/// A linked module to check, and all that the rules need to know about it.
 pub(crate) struct Subject<'a> {
     pub(crate) library: &'a Library,
     pub(crate) target: &'a Target,
-    /// The module that the entry points are in.
+    /// The module that declares the entry points.
     pub(crate) root: usize,
     pub(crate) module: &'a Module,
 }
 
 impl<'a> Subject<'a> {
-    /// Checks what naga's validator would refuse without saying which limit it is.
+    /// Checks the limits that naga's validator would enforce without naming them.
     pub(crate) fn check_before_validation(&self) -> Result<(), Fault> {
         limits::workgroup_sizes(self, &self.constants()?)
     }
 
-    /// Checks a valid module; `info` and `reflection` are its.
+    /// Checks a valid module, with its `info` and `reflection`.
     pub(crate) fn check(&self, info: &ModuleInfo, reflection: &Reflection) -> Result<(), Fault> {
-        // Again, now that calls lead into other modules.
+        // Check again, now that calls lead into other modules.
         aliases::check(self.module).map_err(|problem| self.fault(problem))?;
         stages::check(self, info)?;
         varyings::check(self)?;
@@ -78,7 +79,7 @@ impl<'a> Subject<'a> {
         self.at(problem.span, problem.message).note(problem.advice)
     }
 
-    /// A fault at `span` of the linked module.
+    /// Fault at `span` of the linked module.
     fn at(&self, span: Span, message: impl Into<String>) -> Fault {
         let fault = Fault::new(Cause::Validation, message);
         let place = span.to_range().filter(|range| !range.is_empty());
@@ -90,7 +91,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// A fault of the entry point `entry`, at the word `word` of its module or else at its name.
+    /// Fault of the entry point `entry`, at the word `word` in its module, or else at the entry point's name.
     fn at_entry(&self, entry: &EntryPoint, word: &str, message: impl Into<String>) -> Fault {
         let source = self.library.source(self.root);
         let mut place = source.find(word);
@@ -100,7 +101,7 @@ impl<'a> Subject<'a> {
         Fault::new(Cause::Validation, message).at(place)
     }
 
-    /// A fault of the variable `handle`, at its name.
+    /// Fault of the variable `handle`, at its name.
     fn at_variable(&self, handle: Handle<GlobalVariable>, message: impl Into<String>) -> Fault {
         let span = self.module.global_variables.get_span(handle);
         let name = self.module.global_variables[handle].name.as_deref();
@@ -116,7 +117,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// That `found`, of which `what` tells what it is, is within `limit`.
+    /// Checks that the number `found` is within `limit`; `what` describes it.
     fn limit(&self, limit: Limit, found: u64, what: &str) -> Result<(), String> {
         let most = self.target.limit(limit);
         if found <= most {

@@ -1,11 +1,11 @@
-//! Whole numbers that no `i32` holds: what is written without a type is an `i32`, where naga takes the first type
-//! that has room.
+//! Integers too large for an `i32`. In WGSL, one declared without a type becomes an `i32`; naga takes the first
+//! type that has room for it.
 
 use naga::{Expression, Function, Literal};
 
 use super::Problem;
 
-/// Checks what `function` declares without a type; `text` is what naga parsed.
+/// Checks the declarations without a type in `function`; `text` is the text that naga parsed.
 pub(super) fn check(function: &Function, text: &str) -> Result<(), Problem> {
     for (handle, expression) in function.expressions.iter() {
         let value: f64 = match *expression {
@@ -31,12 +31,13 @@ pub(super) fn check(function: &Function, text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether `written` is made of whole numbers without a type alone; by how much they are shifted has a type of its own.
+/// Whether `written` consists only of integers without a type suffix. The right side of a shift is not looked at,
+/// as it has a type of its own.
 fn is_whole(written: &str) -> bool {
     let shifted = written.split("<<").next().unwrap_or("");
     let words = shifted.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
     let words = words.filter(|word| !word.is_empty());
-    // Of a call, naga has the place of the function's name.
+    // For a call, naga's span covers only the function's name.
     let mut numbers = 0;
     let whole = words.into_iter().all(|word| {
         numbers += 1;
@@ -45,7 +46,7 @@ fn is_whole(written: &str) -> bool {
     whole && numbers > 0
 }
 
-/// Whether `before` ends where a declaration without a type is given its value.
+/// Whether `before` ends at the `=` of a declaration without a type.
 fn takes_any_type(before: &str) -> bool {
     let before = before.trim_end_matches(|c: char| c.is_whitespace() || c == '(' || c == '-');
     let Some(before) = before.strip_suffix('=') else {
@@ -55,7 +56,7 @@ fn takes_any_type(before: &str) -> bool {
     let before = before.trim_end();
     let name = before.trim_end_matches(part);
     let word = name.trim_end();
-    // `_ = 1;` declares nothing, but takes any type as well.
+    // `_ = 1;` declares nothing, but accepts any type as well.
     before.ends_with('_') && !word.ends_with(part)
         || (name.len() < before.len()
             && word.len() < name.len()

@@ -1,5 +1,5 @@
-//! Aliased pointer arguments: of two ways to one variable, a function may not write by one and use the other
-//! (<https://www.w3.org/TR/WGSL/#alias-analysis>).
+//! Aliased pointer arguments: where two of them lead to one variable, a function may not write through one and use
+//! the other (<https://www.w3.org/TR/WGSL/#alias-analysis>).
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use naga::{
 use super::{Problem, functions};
 
 pub(super) fn check(module: &Module) -> Result<(), Problem> {
-    // Each function stands after those that it calls.
+    // Callees come before their callers.
     let mut known = Vec::new();
     for function in functions(module) {
         let mut walk = Walk {
@@ -28,7 +28,7 @@ pub(super) fn check(module: &Module) -> Result<(), Problem> {
     Ok(())
 }
 
-/// What a pointer leads into.
+/// Root of a pointer: the variable or argument that it leads into.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Root {
     Argument(u32),
@@ -36,7 +36,7 @@ enum Root {
     Local(Handle<LocalVariable>),
 }
 
-/// What a function reads and writes through pointers, by itself and by what it calls.
+/// Reads and writes of a function through pointers, its own and those of the functions that it calls.
 #[derive(Default)]
 struct Uses {
     reads: BTreeSet<Root>,
@@ -49,7 +49,7 @@ impl Uses {
     }
 }
 
-/// The root of each expression that is a pointer.
+/// Root of each expression that is a pointer.
 fn roots(function: &Function) -> Vec<Option<Root>> {
     let mut roots = Vec::with_capacity(function.expressions.len());
     for (_, expression) in function.expressions.iter() {
@@ -57,7 +57,7 @@ fn roots(function: &Function) -> Vec<Option<Root>> {
             Expression::FunctionArgument(index) => Some(Root::Argument(index)),
             Expression::GlobalVariable(global) => Some(Root::Global(global)),
             Expression::LocalVariable(local) => Some(Root::Local(local)),
-            // Into a value as into what a pointer leads to; values have no root.
+            // An access to a value looks the same as one through a pointer, but values have no root.
             Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
                 roots[base.index()]
             }

@@ -1,5 +1,6 @@
-//! Alignments that authors ask for: a struct is aligned as its members are, `@align` and all. Naga forgets that where
-//! the struct is a member of another, and would lay the other out as no other implementation does.
+//! Alignments that authors ask for. A struct takes the largest alignment of its members, `@align` included. Naga
+//! loses that where the struct is itself a member of another, and would lay the outer struct out as no other
+//! implementation does.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +11,14 @@ use super::Problem;
 
 const ADVICE: &str = "write the alignment before this member and the next one, too";
 
-/// Checks that structs and arrays lie as their members ask, in the module that naga parsed from `text`. A last member's
-/// padding is no matter: nothing lies behind it.
+/// Checks that structs and arrays are laid out as their members ask, in the module that naga parsed from `text`.
+/// Padding after a last member does not matter, as nothing follows it.
 pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     if !text.contains("align") {
         return Ok(());
     }
     let asked = asked(text);
-    // By the types' numbers; what a type is made of comes before it.
+    // Alignments by the types' indices. A type comes after the types that it is made of.
     let mut alignments: Vec<u32> = Vec::with_capacity(module.types.len());
     for (handle, ty) in module.types.iter() {
         let alignment = match &ty.inner {
@@ -68,7 +69,8 @@ pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// For each struct the largest alignment that a member asks for by a number or a constant, and where its members' names are.
+/// For each struct, the largest alignment that a member asks for by a number or a constant, and the places of its
+/// members' names.
 fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
     let tokens: Vec<_> = Lexer::new(text).flatten().collect();
     let word = |index: usize| {
@@ -76,7 +78,7 @@ fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
         token.map_or("", |(start, _, end)| &text[*start..*end])
     };
     let literal = |word: &str| word.trim_end_matches(['u', 'i']).parse::<u32>().ok();
-    // Naga keeps no constants of untyped numbers: the text tells them.
+    // Naga drops constants of abstract type, so they are read from the text.
     let constants: BTreeMap<&str, u32> = (0..tokens.len())
         .filter(|index| word(*index) == "const")
         .filter_map(|index| {
@@ -125,7 +127,7 @@ mod tests {
         let inner = "struct I { @align(16) a: f32, b: f32 }";
         for (outer, lost) in [
             ("struct O { @align(16) i: I, @align(16) x: f32 } ", false),
-            // Behind the last member is padding alone.
+            // After the last member comes only padding.
             ("struct O { i: I, }", false),
             ("struct O { i: array<I, 2>, x: f32 }", false),
             ("struct O { x: f32, i: I }", true),
@@ -142,7 +144,7 @@ mod tests {
                 "{outer}: {:?}",
                 refused(&text)
             );
-            // A constant's name says as much.
+            // A constant's name in place of the number makes no difference.
             let text = format!("const PAD = 16; {}", text.replacen("(16)", "(PAD)", 1));
             assert_eq!(refused(&text).is_some(), lost, "PAD, {outer}");
         }

@@ -1,8 +1,9 @@
-//! Constants out of range: what WGSL refuses where some arguments are constants, others not, and what naga
-//! does not evaluate. Overrides count with their defaults: so does a pipeline that gives them no value.
+//! Constants out of range: code that WGSL refuses because some of its arguments are constants, even where others
+//! are not, and expressions that naga does not evaluate. Overrides count with their defaults, as in a pipeline that
+//! sets no values for them.
 //!
-//! Naga evaluates what is constant through and through, and refuses what it finds there. What it knows no value
-//! of stays in its IR as it was written, and so does what has but some arguments constant.
+//! Naga evaluates expressions of constants only, and reports the errors in them. Expressions that it cannot
+//! evaluate stay in its IR as they were written, and so do those with only some constant arguments.
 
 use naga::{
     BinaryOperator, Expression, Function, Handle, Literal, Module, Override, RelationalFunction,
@@ -15,16 +16,16 @@ use super::{
     value::{Value, converted, integer, length, number, recast, written},
 };
 
-/// Bits of WGSL's integers.
+/// Number of bits of WGSL's integers.
 pub(super) const BITS: i64 = 32;
 
-/// Constant values of the module's own expressions, by their numbers.
+/// Constant values of the module-scope expressions, by their indices.
 pub(super) struct Constants<'a> {
     module: &'a Module,
     values: Vec<Option<Value>>,
 }
 
-/// Why an expression may not be: what is wrong, and what to do.
+/// Reason to refuse an expression: the error, and the advice.
 pub(super) struct Refusal {
     message: String,
     advice: &'static str,
@@ -43,7 +44,7 @@ impl Refusal {
 pub(super) type Evaluated = Result<Option<Value>, Refusal>;
 
 impl<'a> Constants<'a> {
-    /// Evaluates the module's own expressions.
+    /// Evaluates the module-scope expressions.
     pub(super) fn new(module: &'a Module) -> Result<Self, Problem> {
         let mut constants = Self {
             module,
@@ -60,12 +61,12 @@ impl<'a> Constants<'a> {
         Ok(constants)
     }
 
-    /// The whole number that the module's own expression `handle` has.
+    /// Integer value of the module-scope expression `handle`.
     pub(super) fn integer(&self, handle: Handle<Expression>) -> Option<i64> {
         integer(self.values.get(handle.index()).copied()??.component(0))
     }
 
-    /// The default of `item`.
+    /// Default of the override `item`.
     pub(super) fn default(&self, item: Handle<Override>) -> Option<i64> {
         self.integer(self.module.overrides[item].init?)
     }
@@ -90,7 +91,7 @@ impl<'a> Constants<'a> {
                 Ok(value)
             });
             let value = value.map_err(|refusal| refusal.at(expressions.get_span(handle)))?;
-            // What a `let` names is no constant, whatever it is; `_ = 1;` names nothing.
+            // A value with the name of a `let` is never a constant. `_ = 1;` gives no name.
             let named = function.named_expressions.get(&handle);
             values.push(value.filter(|_| named.is_none_or(|name| name == "phony")));
         }
@@ -116,7 +117,7 @@ impl<'a> Constants<'a> {
             .grow(base, &function.expressions, &context)
             .is_err()
         {
-            // Naga's validator says why.
+            // Naga's validator reports this one.
             return Ok(());
         }
         let length = length(self.module, typifier.get(base, &self.module.types));
@@ -134,7 +135,8 @@ impl<'a> Constants<'a> {
         })
     }
 
-    /// The value of `expression`, where it is constant and we know how; `get` tells its operands'.
+    /// Value of `expression`, where it is constant and of a kind that is handled here; `get` gives the values of
+    /// its operands.
     fn evaluate(
         &self,
         expression: &Expression,
@@ -226,7 +228,7 @@ impl<'a> Constants<'a> {
     }
 }
 
-/// Checks by how many texels a fetch is moved.
+/// Checks the offset of a texture fetch, in texels.
 fn offset_within(offset: Option<Value>) -> Result<(), Refusal> {
     let texels = offset.iter().flat_map(|offset| offset.components());
     let outside = texels
@@ -272,7 +274,7 @@ fn binary(op: BinaryOperator, left: Option<Value>, right: Option<Value>) -> Eval
     let Some(right) = right else {
         return Ok(None);
     };
-    // Of these, the right side alone decides whether they may stand.
+    // For these operators, the right side alone decides whether the expression is valid.
     for part in right.components() {
         match (op, integer(*part)) {
             (BinaryOperator::Divide | BinaryOperator::Modulo, Some(0)) => {
@@ -342,7 +344,7 @@ pub(super) fn binary_of_scalars(
             _ => return Ok(None),
         }),
         (Op::ShiftLeft, I32(a), U32(b)) => match a.wrapping_shl(b) {
-            // Every bit that is shifted out equals the sign.
+            // Valid only if all bits shifted out equal the sign bit.
             shifted if shifted >> b == a => I32(shifted),
             _ => return overflow("a shift"),
         },
@@ -374,7 +376,7 @@ pub(super) fn binary_of_scalars(
             Op::Add => a.wrapping_add(b),
             Op::Subtract => a.wrapping_sub(b),
             Op::Multiply => a.wrapping_mul(b),
-            // Zero was refused before.
+            // Division by zero was refused above.
             Op::Divide => a.checked_div(b).unwrap_or(0),
             Op::Modulo => a.checked_rem(b).unwrap_or(0),
             Op::And => a & b,

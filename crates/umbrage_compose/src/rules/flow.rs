@@ -1,5 +1,5 @@
-//! Loops without an exit, functions that end without a value, and turns that pass over a declaration: WGSL's
-//! analysis of behaviours (<https://www.w3.org/TR/WGSL/#behaviors>) and its rule for `continue`.
+//! Loops without an exit, functions that end without returning a value, and `continue` that skips a declaration:
+//! WGSL's behavior analysis (<https://www.w3.org/TR/WGSL/#behaviors>) and its rule for `continue`.
 
 use std::{collections::BTreeSet, ops::BitOr};
 
@@ -24,14 +24,14 @@ pub(super) fn check(function: &Function) -> Result<(), Problem> {
     Ok(())
 }
 
-/// What may come after a statement.
+/// Places where execution may go on after a statement.
 #[derive(Clone, Copy, Default)]
 struct Behavior {
     /// The next statement.
     next: bool,
-    /// What comes after the loop or switch around it.
+    /// After the innermost loop or switch around it.
     breaks: bool,
-    /// The next turn of the loop around it.
+    /// The next iteration of the innermost loop around it.
     continues: bool,
     /// The end of the function.
     returns: bool,
@@ -62,7 +62,7 @@ impl Behavior {
         ..Self::NONE
     };
 
-    /// Where a `break` within ends it.
+    /// Behavior of a statement that a `break` within it ends.
     fn after_breaks(self) -> Self {
         Self {
             next: self.next | self.breaks,
@@ -80,7 +80,7 @@ impl Flow<'_> {
     fn block(&self, block: &Block) -> Result<Behavior, Problem> {
         let mut behavior = Behavior::NEXT;
         for (statement, span) in block.span_iter() {
-            // What cannot be reached must be sound, too.
+            // Unreachable code is checked, too.
             let own = self.statement(statement, *span)?;
             if behavior.next {
                 behavior.next = false;
@@ -98,7 +98,7 @@ impl Flow<'_> {
                 let mut behavior = Behavior::NONE;
                 for case in cases {
                     let own = self.block(&case.body)?;
-                    // What falls through does what the next one does.
+                    // A case that falls through has the behavior of the next one.
                     if !case.fall_through {
                         behavior = behavior | own;
                     }
@@ -112,7 +112,7 @@ impl Flow<'_> {
             } => {
                 let turn = self.block(body)?;
                 let end = self.block(continuing)?;
-                // A turn that never ends by itself never comes to the loop's own end.
+                // If no path leads to the end of the loop's body, `break_if` is never evaluated.
                 let ends = turn.next || turn.continues;
                 let behavior = Behavior {
                     breaks: turn.breaks || (ends && break_if.is_some()),
@@ -147,7 +147,7 @@ impl Flow<'_> {
         })
     }
 
-    /// That what a loop's `continuing` block uses was declared by then, whichever way it is come to.
+    /// Checks that everything used in a loop's `continuing` block was declared on every path to it.
     fn passes_over_nothing(
         &self,
         body: &Block,
@@ -183,7 +183,7 @@ impl Flow<'_> {
         }
     }
 
-    /// What `statements` declare.
+    /// Declarations among `statements`.
     fn declared<'a>(
         &self,
         statements: impl Iterator<Item = (&'a Statement, &'a Span)>,
@@ -198,7 +198,7 @@ impl Flow<'_> {
                 } => {
                     declared.values.insert(*result);
                 }
-                // A variable that is declared in a loop is given its value there, by its declaration.
+                // A variable declared in a loop is initialized by a store at its declaration.
                 Statement::Store { pointer, .. } => {
                     if let Expression::LocalVariable(local) = self.function.expressions[*pointer]
                         && self.function.local_variables.get_span(local) == *span
@@ -212,7 +212,7 @@ impl Flow<'_> {
         declared
     }
 
-    /// Calls `visit` for what the statements of `block` use.
+    /// Calls `visit` for each expression that a statement of `block` uses.
     fn for_each_use(&self, block: &Block, visit: &mut dyn FnMut(Handle<Expression>)) {
         for statement in block.iter() {
             match statement {
@@ -260,7 +260,7 @@ impl Flow<'_> {
     }
 }
 
-/// What was declared: values that have names, and variables.
+/// Declarations: named values, and variables.
 #[derive(Default)]
 struct Declared {
     values: BTreeSet<Handle<Expression>>,
@@ -268,7 +268,7 @@ struct Declared {
 }
 
 impl Declared {
-    /// The name of what `expression` is, where it is among these.
+    /// Name of the value or variable `expression`, where it is among these.
     fn name(&self, function: &Function, expression: Handle<Expression>) -> Option<String> {
         if let Expression::LocalVariable(local) = function.expressions[expression] {
             let among = self.variables.contains(&local);
@@ -286,7 +286,7 @@ impl Declared {
     }
 }
 
-/// Where `statement` goes on with the next turn of the loop that it stands in.
+/// Place of a `continue` in `statement` that continues the loop around `statement`.
 fn continue_in(statement: &Statement, span: Span) -> Option<Span> {
     let within = |block: &Block| {
         let mut statements = block.span_iter();

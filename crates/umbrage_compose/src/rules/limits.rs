@@ -1,4 +1,4 @@
-//! A device's limits.
+//! Limits of a device.
 
 use naga::{
     AddressSpace, ArraySize, BuiltIn, EntryPoint, GlobalVariable, Handle, Module, ShaderStage,
@@ -35,7 +35,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Checks how many invocations a workgroup has.
+/// Checks the number of invocations in a workgroup.
 pub(super) fn workgroup_sizes(
     subject: &Subject<'_>,
     constants: &Constants<'_>,
@@ -59,7 +59,7 @@ pub(super) fn workgroup_sizes(
             let size = match given.map(|size| constants.integer(size)) {
                 None => entry.workgroup_size[dimension].into(),
                 Some(Some(size)) => size,
-                // The host says it.
+                // An override without a default: the host sets the size.
                 Some(None) => 1,
             };
             if size < 1 {
@@ -211,7 +211,7 @@ fn fragment(subject: &Subject<'_>, entry: &EntryPoint) -> Result<(), Fault> {
         varyings::inputs(subject.module, entry),
         varyings::outputs(subject.module, entry),
     );
-    // Each of these takes the room of a variable.
+    // Each of these built-in values takes the room of a variable.
     let counted = |built_in: &&BuiltIn| {
         matches!(
             built_in,
@@ -235,7 +235,7 @@ fn fragment(subject: &Subject<'_>, entry: &EntryPoint) -> Result<(), Fault> {
     )
 }
 
-/// That what lies at locations is few, with `more` besides, and that the locations are low.
+/// Checks that no location exceeds the limit, nor the number of values at locations plus `more`.
 fn located(
     subject: &Subject<'_>,
     entry: &EntryPoint,
@@ -304,8 +304,8 @@ struct Extent {
     align: u64,
 }
 
-/// How much room a value of the type takes, by WGSL's rules: naga has one byte for a `bool`, WGSL four, and an
-/// array's length may be an override.
+/// Size and alignment of a value of the type, by WGSL's rules. They differ from naga's: a `bool` takes four bytes,
+/// not one, and an array's length may be an override.
 fn layout(module: &Module, ty: Handle<Type>, constants: &Constants<'_>) -> Extent {
     match &module.types[ty].inner {
         TypeInner::Vector { size, scalar } => {
@@ -349,7 +349,7 @@ fn layout(module: &Module, ty: Handle<Type>, constants: &Constants<'_>) -> Exten
             let mut extent = Extent { size: 0, align: 1 };
             for member in members {
                 let own = layout(module, member.ty, constants);
-                // What the author asks for by `@size` and `@align` shows in naga's offsets.
+                // Naga's offsets take the author's `@size` and `@align` into account.
                 let start = extent.size.next_multiple_of(own.align.max(1));
                 extent.size = start.max(member.offset.into()) + own.size;
                 extent.align = extent.align.max(own.align);

@@ -1,4 +1,4 @@
-//! Functions of constants: which arguments may not be, and what they give.
+//! Built-in functions with constant arguments: which arguments are invalid, and the results.
 
 use half::f16;
 use naga::{BinaryOperator, Literal, MathFunction};
@@ -8,7 +8,7 @@ use super::{
     value::{Value, integer, number, written},
 };
 
-/// The value of `fun`; refused where its constant arguments cannot be.
+/// Value of `fun`; refused where its constant arguments are invalid.
 pub(super) fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
     let name = format!("`{}`", wgsl_name(fun));
     let untyped = |value: &Value| {
@@ -157,7 +157,7 @@ pub(super) fn math(fun: MathFunction, args: [Option<Value>; 4]) -> Evaluated {
         .transpose()
 }
 
-/// Checks what may not be, whatever the other arguments are.
+/// Checks for constant arguments that are invalid whatever the other arguments are.
 fn in_range(fun: MathFunction, name: &str, args: [Option<Value>; 4]) -> Result<(), Refusal> {
     match (fun, args) {
         (MathFunction::Clamp, [_, Some(low), Some(high), _]) => {
@@ -239,7 +239,7 @@ fn in_range(fun: MathFunction, name: &str, args: [Option<Value>; 4]) -> Result<(
     Ok(())
 }
 
-/// The lesser of two, or the greater.
+/// Smaller of the two values where `least`, otherwise the larger.
 fn chosen(a: Literal, b: Literal, least: bool) -> Option<Literal> {
     let first = (number(a)? <= number(b)?) == least;
     Some(if first { a } else { b })
@@ -252,7 +252,7 @@ fn of_three(fun: MathFunction, a: f32, b: f32, c: f32) -> f32 {
         _ => {
             let (way, whole) = (c - a, b - a);
             let part = way / whole;
-            // What lies on the way must be a number as well.
+            // Intermediate results must be finite as well.
             if [way, whole, part].iter().all(|number| number.is_finite()) {
                 let part = part.clamp(0.0, 1.0);
                 part * part * (3.0 - 2.0 * part)
@@ -322,7 +322,7 @@ fn extract(value: Literal, offset: Literal, count: Literal) -> Option<Literal> {
     })
 }
 
-/// Where a function is defined.
+/// Domain of a function.
 enum Domain {
     Everywhere,
     Positive,
@@ -350,7 +350,7 @@ impl Domain {
 
 type OfNumber = fn(f64) -> f64;
 
-/// Functions of one number, which naga evaluates itself but of an override.
+/// Functions of one number. Naga evaluates them itself, unless the argument is an override.
 fn scalar_function(fun: MathFunction) -> Option<(OfNumber, Domain)> {
     use MathFunction as F;
     Some(match fun {
@@ -396,7 +396,7 @@ fn wgsl_name(fun: MathFunction) -> String {
     if !name.is_empty() {
         return name.to_owned();
     }
-    // Naga's names are WGSL's, but for the first letter.
+    // Naga's names are WGSL's, except for the case of the first letter.
     let debug = format!("{fun:?}");
     let mut letters = debug.chars();
     match letters.next() {

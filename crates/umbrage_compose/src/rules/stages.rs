@@ -1,5 +1,5 @@
-//! What a stage may do with which resource: no vertex stage writes, and a storage texture's format allows
-//! some kinds of access alone (<https://gpuweb.github.io/gpuweb/#texture-format-caps>).
+//! Rules for a stage's use of resources: no vertex stage writes, and a storage texture's format allows only some
+//! kinds of access (<https://gpuweb.github.io/gpuweb/#texture-format-caps>).
 
 use naga::{
     AddressSpace, Handle, ImageClass, Module, ShaderStage, StorageAccess, StorageFormat, Type,
@@ -79,7 +79,7 @@ fn has_atomic(module: &Module, ty: Handle<Type>) -> bool {
     }
 }
 
-/// Whether a storage texture may have `format` with `access`, on a device without further features.
+/// Whether a storage texture may have `format` with `access`, on a device without optional features.
 fn storage_texture(
     format: StorageFormat,
     access: StorageAccess,
@@ -87,9 +87,9 @@ fn storage_texture(
     use StorageFormat as F;
     let name = wgsl_name(format);
     match format {
-        // Any access.
+        // Any access is allowed.
         F::R32Uint | F::R32Sint | F::R32Float => Ok(()),
-        // One at a time.
+        // Reading or writing is allowed, but not both.
         F::Rgba8Unorm
         | F::Rgba8Snorm
         | F::Rgba8Uint
@@ -123,7 +123,7 @@ fn storage_texture(
     }
 }
 
-/// The name that WGSL has for `format`: naga's without capitals.
+/// WGSL's name for `format`: naga's, in lower case.
 fn wgsl_name(format: StorageFormat) -> String {
     format!("{format:?}").to_lowercase()
 }

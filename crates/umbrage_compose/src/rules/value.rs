@@ -2,7 +2,7 @@
 
 use naga::{Literal, Module, Scalar, ScalarKind, Type, TypeInner};
 
-/// A scalar, or a vector by its components.
+/// A scalar, or a vector with its components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Value {
     length: usize,
@@ -17,7 +17,7 @@ impl Value {
         }
     }
 
-    /// Of one to four components.
+    /// Value of one to four components.
     pub(super) fn from_components(all: &[Literal]) -> Option<Self> {
         let mut components = [*all.first()?; 4];
         components.get_mut(..all.len())?.copy_from_slice(all);
@@ -27,7 +27,7 @@ impl Value {
         })
     }
 
-    /// Zero of the type `ty`; none where that is neither scalar nor vector.
+    /// Zero value of the type `ty`; none where `ty` is neither a scalar nor a vector.
     pub(super) fn zero(ty: &Type) -> Option<Self> {
         match ty.inner {
             TypeInner::Scalar(scalar) => Literal::zero(scalar).map(Self::scalar),
@@ -49,18 +49,18 @@ impl Value {
         &self.components[..self.length]
     }
 
-    /// The component numbered `index`; of a scalar itself, whatever the number.
+    /// Component `index` of a vector; of a scalar, the scalar itself for any index.
     pub(super) fn component(&self, index: usize) -> Literal {
         self.components[if self.length == 1 { 0 } else { index.min(3) }]
     }
 
-    /// Each component by `change`.
+    /// Applies `change` to each component.
     pub(super) fn map(self, change: impl Fn(Literal) -> Option<Literal>) -> Option<Self> {
         let changed: Option<Vec<_>> = self.components().iter().map(|c| change(*c)).collect();
         Self::from_components(&changed?)
     }
 
-    /// The components of both by `join`; a scalar stands for a vector of itself.
+    /// Combines the components of both by `join`; a scalar is repeated for each component of a vector.
     pub(super) fn zip<E>(
         self,
         other: Self,
@@ -78,7 +78,7 @@ impl Value {
     }
 }
 
-/// `literal` as a number; none of a truth value.
+/// `literal` as a number; none for a bool.
 pub(super) fn number(literal: Literal) -> Option<f64> {
     Some(match literal {
         Literal::F32(value) => value.into(),
@@ -92,7 +92,7 @@ pub(super) fn number(literal: Literal) -> Option<f64> {
     })
 }
 
-/// `literal` as a whole number.
+/// `literal` as an integer.
 pub(super) fn integer(literal: Literal) -> Option<i64> {
     match literal {
         Literal::I32(value) => Some(value.into()),
@@ -107,7 +107,7 @@ pub(super) fn converted(literal: Literal, scalar: Scalar) -> Option<Literal> {
         Literal::Bool(value) => f64::from(u8::from(value)),
         other => number(other)?,
     };
-    // From one integer type to the other, bits are kept; from a float, the nearest value is.
+    // Between integer types, the bits are kept; a float is truncated and clamped to the range of the type.
     Some(match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Literal::Bool(value != 0.0),
         (ScalarKind::Float, 4) => Literal::F32(value as f32),
@@ -123,7 +123,7 @@ pub(super) fn converted(literal: Literal, scalar: Scalar) -> Option<Literal> {
     })
 }
 
-/// `literal`'s bits as `kind`, which has four bytes as well.
+/// `literal` bitcast to `kind`, which has four bytes as well.
 pub(super) fn recast(literal: Literal, kind: ScalarKind) -> Option<Literal> {
     let bits = match literal {
         Literal::F32(value) => value.to_bits(),
@@ -139,7 +139,7 @@ pub(super) fn recast(literal: Literal, kind: ScalarKind) -> Option<Literal> {
     })
 }
 
-/// `literal` as one would write it.
+/// `literal` as an author would write it.
 pub(super) fn written(literal: Literal) -> String {
     match literal {
         Literal::Bool(value) => value.to_string(),
@@ -150,8 +150,8 @@ pub(super) fn written(literal: Literal) -> String {
     }
 }
 
-/// How many elements an index into `inner`, or into what it points to, may choose from; none where that is
-/// known to the device alone.
+/// Number of elements that an index into `inner`, or into the type that it points to, may choose from; none where
+/// it is known only at run time.
 pub(super) fn length(module: &Module, inner: &TypeInner) -> Option<u32> {
     match *inner {
         TypeInner::Vector { size, .. }

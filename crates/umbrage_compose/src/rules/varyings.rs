@@ -1,5 +1,5 @@
-//! What a fragment stage takes must be what a vertex stage of its module gives: location by location, of the same
-//! type, interpolated alike (<https://gpuweb.github.io/gpuweb/#validating-inter-stage-interfaces>).
+//! Inputs of a fragment stage must match the outputs of the vertex stage in its module: at each location, the same
+//! type and the same interpolation (<https://gpuweb.github.io/gpuweb/#validating-inter-stage-interfaces>).
 
 use std::collections::BTreeMap;
 
@@ -51,15 +51,15 @@ pub(super) fn check(subject: &Subject<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Something that is given or taken at a location.
+/// An input or output at a location.
 pub(super) struct Varying {
     pub(super) name: String,
     ty: Handle<Type>,
-    /// As WGSL has it, written or not.
+    /// Interpolation and sampling, with WGSL's defaults filled in where the author wrote none.
     how: (Option<Interpolation>, Option<Sampling>),
 }
 
-/// What entry points have by locations, and how many other things.
+/// Inputs or outputs of an entry point, by location, and its built-in values.
 pub(super) struct Varyings {
     pub(super) located: BTreeMap<u32, Varying>,
     pub(super) built_ins: Vec<naga::BuiltIn>,
@@ -87,7 +87,7 @@ pub(super) fn outputs(module: &Module, entry: &EntryPoint) -> Varyings {
 
 type Part<'a> = (Handle<Type>, &'a Option<String>, Option<&'a Binding>);
 
-/// A value, or the members of a struct.
+/// The value itself, or the members of a struct.
 fn parts<'a>(
     module: &'a Module,
     ty: Handle<Type>,
@@ -135,7 +135,8 @@ impl Varyings {
     }
 }
 
-/// Where what `fragment` takes is not what `vertex` gives, the word to look for and why.
+/// First mismatch between the inputs of `fragment` and the outputs of `vertex`: the word to point at, and the
+/// reason.
 fn fits(
     taken: &Varyings,
     given: &Varyings,
