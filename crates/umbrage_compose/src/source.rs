@@ -21,7 +21,7 @@ pub(crate) struct Source {
     pub(crate) file: String,
     /// The text.
     pub(crate) text: Arc<str>,
-    /// Why the text could not be read.
+    /// The reason why the text could not be read.
     pub(crate) fault: Option<Fault>,
     /// Where the text starts among all texts of the library: spans in linked modules count from
     /// the first text's start, so that each tells its file.
@@ -59,7 +59,7 @@ impl Source {
         self.find_within(0..self.text.len(), word)
     }
 
-    /// The same within `range`; all of it where the word is not there.
+    /// Place of the first `word` within `range`, as `find` looks for it; the whole range where there is none.
     pub(crate) fn find_within(&self, range: Range<usize>, word: &str) -> Place<'_> {
         let part = |c: char| c.is_alphanumeric() || c == '_';
         let whole = |start: usize| {
@@ -120,7 +120,7 @@ impl Source {
         Ok(Syntax { tree, tokens })
     }
 
-    /// What is wrong with `range`, which the parser does not know, where it is a native extension of WGSL.
+    /// Message for a `range` that the parser does not know, where it is a native extension of WGSL.
     fn beyond_wgsl(&self, range: Range<usize>) -> Option<String> {
         let place = self.text.get(range.clone())?;
         let before = self.text[..range.start].chars().next_back();
@@ -205,7 +205,7 @@ impl Source {
     }
 }
 
-/// A better message, and what to do, where the token at `start` is known in modules, but not there.
+/// A better message and advice, where the token at `start` is valid in modules, but not at this place.
 fn misplaced(
     tokens: &[(Token, Range<usize>)],
     start: usize,
@@ -241,7 +241,7 @@ fn misplaced(
         Token::SymBraceRight => depth - 1,
         _ => depth,
     });
-    // Each statement and declaration begins behind the end of another.
+    // Each statement and each declaration begins where another ends.
     let (mut begins, mut last) = (true, "a directive");
     for token in before() {
         let directive = [

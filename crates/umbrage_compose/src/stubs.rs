@@ -141,8 +141,9 @@ impl Builder<'_> {
         if let Some(ty) = &mut item.ty {
             self.rename_type(module, ty)?;
         }
-        // The linker puts the real one in its place: attributes are not needed, nor, with a type, what it begins
-        // with. A constant's value is: types and other constants may depend on it.
+        // The linker replaces this with the real declaration, so attributes are not needed, nor an initializer
+        // where there is a type. A constant keeps its initializer: types and other constants may depend on its
+        // value.
         item.attributes.clear();
         if item.kind.is_const() || item.ty.is_none() {
             if let Some(initializer) = &mut item.initializer {
@@ -176,7 +177,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Alignments, sizes, locations and the like are expressions, too.
+    /// Renames names in the arguments of attributes: alignments, sizes, locations and the like are expressions.
     fn rename_attributes(
         &mut self,
         module: usize,
@@ -188,7 +189,7 @@ impl Builder<'_> {
                 | Attribute::BlendSrc(expression)
                 | Attribute::Location(expression)
                 | Attribute::Size(expression) => self.rename_expression(module, expression)?,
-                // No other that a member may have speaks of constants.
+                // No other attribute of a member can refer to constants.
                 _ => {}
             }
         }

@@ -13,7 +13,7 @@ pub use limits::Limit;
 pub struct Target {
     name: String,
     capabilities: Capabilities,
-    /// Those that are not WebGPU's.
+    /// Limits that differ from WebGPU's.
     limits: BTreeMap<Limit, u64>,
     vertex_writes: bool,
 }
@@ -34,8 +34,8 @@ impl Target {
         Self::new("webgpu", capabilities)
     }
 
-    /// A device of its own: `name` tells it from others, `capabilities` are what naga asks for. Its limits
-    /// are WebGPU's, which every device has at the least, until others are given.
+    /// A custom device: `name` identifies it, and `capabilities` are naga's. Its limits are WebGPU's defaults,
+    /// which every device offers, until others are set.
     pub fn new(name: impl Into<String>, capabilities: Capabilities) -> Self {
         Self {
             name: name.into(),
@@ -52,7 +52,7 @@ impl Target {
         self
     }
 
-    /// The same device, whose vertex stages may write to storage buffers and textures.
+    /// The same device, with vertex stages that may write to storage buffers and textures.
     #[must_use]
     pub fn with_vertex_writes(mut self) -> Self {
         self.vertex_writes = true;

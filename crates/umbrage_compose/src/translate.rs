@@ -25,7 +25,7 @@ use crate::{
 /// What of a module is there under some features.
 #[derive(Debug, Default)]
 pub(crate) struct Translated {
-    /// The imports that are there, and where.
+    /// Imports in the text, and their places.
     pub(crate) imports: Vec<(ImportStatement, Range<usize>)>,
     /// The declarations that are there, without the parts that are not. A function's body is left
     /// out: only the text has it.

@@ -1,14 +1,14 @@
-//! Uniformity: whether invocations come together to what they must do together, as WGSL has it
-//! (<https://www.w3.org/TR/WGSL/#uniformity>). Naga's own analysis decides less, and otherwise.
+//! Uniformity analysis: whether invocations arrive together at operations that they must execute together, by
+//! WGSL's rules (<https://www.w3.org/TR/WGSL/#uniformity>). Naga's own analysis covers less, and differs.
 //!
-//! A function is a graph of values and of control flow, with an edge from each to what it depends on
-//! (`graph`, `walk`). An operation demands that no path leads from where it stands to something that may
-//! differ between invocations. Paths that end at the function's own start, or at a parameter, are demands
-//! on its callers: they are the function's [`Summary`], and naga puts callees before callers, so that one
-//! pass over the module decides. Each edge is walked once a scope, so the time is linear in the module.
+//! A function is a graph of values and of control flow, with an edge from each node to those that it depends on
+//! (`graph`, `walk`). An operation demands that no path leads from its control flow (or its operand) to a source of
+//! non-uniformity. Paths that end at the function's start, or at a parameter, become demands on its callers: they
+//! make up the function's [`Summary`]. Naga puts callees before callers, so one pass over the module is enough.
+//! Each edge is walked once per scope, so the time is linear in the module's size.
 //!
-//! Invocations are taken together at two [`Scope`]s, as browsers do: those of a subgroup for subgroup
-//! operations, those of a workgroup, a quad or a draw for all else.
+//! Uniformity is decided for two [`Scope`]s, as browsers do: among the invocations of a subgroup for subgroup
+//! operations, and among those of a workgroup, a quad or a draw for all others.
 
 mod graph;
 mod report;
@@ -30,8 +30,8 @@ use walk::Walk;
 
 pub(crate) use walk::for_each_operand;
 
-/// Checks the module: a fault for what is an error, and faults to be told as warnings for what the
-/// author's filters make less.
+/// Checks the module. Returns a fault for the first error, and otherwise the faults that the author's filters
+/// reduce to warnings.
 pub(crate) fn check(module: &Module, places: &Places<'_>) -> Result<Vec<Fault>, Fault> {
     let wanted = wanted(module);
     let mut check = Check {
@@ -57,18 +57,18 @@ pub(crate) fn check(module: &Module, places: &Places<'_>) -> Result<Vec<Fault>, 
     Ok(check.told)
 }
 
-/// Invocations that are taken together.
+/// Sets of invocations among which something is uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Scope {
     Workgroup,
     Subgroup,
 }
 
-/// What an operation asks of the control flow that it stands in.
+/// Demand of an operation for uniformity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
     scope: Scope,
-    /// The rule by which an author may switch it off, where one may.
+    /// The diagnostic rule by which an author may switch the demand off; none where that is not possible.
     pub(crate) rule: Option<Rule>,
 }
 
@@ -86,7 +86,7 @@ impl Demand {
         rule: Some(Rule::SubgroupUniformity),
     };
 
-    /// What `expression` demands where it is evaluated.
+    /// Demand of `expression` on the control flow in which it is evaluated.
     pub(crate) fn of_expression(expression: &Expression) -> Option<Self> {
         match expression {
             Expression::Derivative { .. } => Some(Self::DERIVATIVE),
@@ -100,7 +100,7 @@ impl Demand {
         }
     }
 
-    /// What `statement` itself demands, without what is within it.
+    /// Demand of `statement` itself, without those of the statements within it.
     pub(crate) fn of_statement(statement: &Statement) -> Option<Self> {
         match statement {
             Statement::ControlBarrier(barrier) if *barrier == Barrier::SUB_GROUP => {
@@ -117,7 +117,7 @@ impl Demand {
     }
 }
 
-/// What of `mode` must be the same for all of a subgroup.
+/// Operand of `mode` that must be uniform within a subgroup.
 fn uniform_operand(mode: GatherMode) -> Option<Handle<Expression>> {
     match mode {
         GatherMode::ShuffleDown(by) | GatherMode::ShuffleUp(by) | GatherMode::ShuffleXor(by) => {
@@ -127,47 +127,47 @@ fn uniform_operand(mode: GatherMode) -> Option<Handle<Expression>> {
     }
 }
 
-/// A function of the module.
+/// A function or an entry point of the module.
 #[derive(Clone, Copy, Debug)]
 enum Which {
     Function(Handle<Function>),
     EntryPoint(usize),
 }
 
-/// What a function's callers must know of it.
+/// Summary of a function for its callers.
 #[derive(Debug, Default)]
 struct Summary {
-    /// What it demands of where it is called.
+    /// Demands on the control flow of a call.
     call: Needs,
     parameters: Vec<Parameter>,
-    /// What its result depends on.
+    /// Dependencies of the result.
     result: Feeds,
 }
 
-/// What a function does with a parameter.
+/// A parameter's demands, and its contents after a call.
 #[derive(Debug, Default)]
 struct Parameter {
-    /// What it demands of the value.
+    /// Demands on the value.
     value: Needs,
-    /// What it demands of what the pointer leads to.
+    /// Demands on the contents of the variable that the pointer leads to.
     contents: Needs,
-    /// What the pointer's contents depend on after the call, where it is a pointer to a function's variable.
+    /// Dependencies of the pointer's contents after the call, where it points to a function's variable.
     after: Option<Feeds>,
 }
 
-/// The strongest demand of each scope.
+/// Strongest demand for each scope.
 type Needs = [Option<Need>; 2];
 
-/// A demand, and where it comes from.
+/// A demand, with its cause.
 #[derive(Clone, Copy, Debug)]
 struct Need {
     severity: Severity,
     cause: Cause,
-    /// Where control flow parts by the parameter that the need is of.
+    /// Branch that makes control flow depend on the parameter in question.
     branch: Option<Span>,
 }
 
-/// What in a function's body demands something.
+/// Operation or call in a function's body that makes a demand.
 #[derive(Clone, Copy, Debug)]
 struct Cause {
     span: Span,
@@ -176,15 +176,15 @@ struct Cause {
 
 #[derive(Clone, Copy, Debug)]
 enum CauseKind {
-    /// An operation of WGSL's own demands uniform control flow.
+    /// A built-in operation, which demands uniform control flow.
     ControlFlow(Demand),
-    /// It demands that this argument of its be uniform.
+    /// A built-in operation, which demands that the argument of this number be uniform.
     Operand(u32, Demand),
-    /// A call demands something, as the function called does.
+    /// A call of a function, which passes on the function's demand.
     Call(Handle<Function>, Part),
 }
 
-/// What of a function's call is meant.
+/// Part of a call that a demand is about: the call itself, an argument's value, or the contents that it points to.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     Itself,
@@ -192,48 +192,48 @@ enum Part {
     Contents(u32),
 }
 
-/// What a value depends on, as its function's callers see it.
+/// Dependencies of a value, as the function's callers see them.
 #[derive(Debug, Default)]
 struct Feeds {
-    /// What may make it differ between invocations, whatever the arguments are, for each scope.
+    /// For each scope, a source of non-uniformity that does not depend on the arguments.
     origins: [Option<Origin>; 2],
-    /// The arguments, by their numbers.
+    /// Arguments that it depends on, by number.
     values: Vec<u32>,
-    /// The arguments whose contents it depends on.
+    /// Arguments on whose contents it depends, by number.
     contents: Vec<u32>,
 }
 
-/// What may differ between invocations, to begin with.
+/// A source of non-uniformity.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
     function: Which,
     node: What,
 }
 
-/// What a node stands for, as far as faults tell of it.
+/// Meaning of a node, as far as faults report it.
 #[derive(Clone, Copy, Debug)]
 enum What {
     Other,
     /// An expression's value.
     Value(Handle<Expression>),
-    /// An entry point's input, by its number.
+    /// Input of an entry point, by number.
     Input(u32),
-    /// Control flow that parts, at the value that it parts by.
+    /// Control flow after a branch, at its condition.
     Branch(Span),
-    /// An argument of a call, at the call.
+    /// Argument of a call, at the call.
     Argument(Span),
-    /// What a pointer leads to after a call of the function.
+    /// Contents of an argument of this number after a call of the function.
     After(Handle<Function>, u32, Span),
 }
 
-/// What a function's own body demands and calls.
+/// Survey of a function's own body: whether it demands anything, and its calls.
 #[derive(Default)]
 struct Survey {
     any: bool,
     calls: Vec<Handle<Function>>,
 }
 
-/// The functions whose summaries matter: those that demand something, and what these call.
+/// Functions whose summaries matter: those that demand something, and all that these call.
 fn wanted(module: &Module) -> Vec<bool> {
     let surveys: Vec<_> = module.functions.iter().map(|(_, f)| survey(f)).collect();
     let mut wanted: Vec<bool> = Vec::with_capacity(surveys.len());
@@ -276,7 +276,7 @@ fn survey_block(block: &Block, survey: &mut Survey) {
     }
 }
 
-/// The blocks within `statement`, in the order in which they are written down.
+/// Blocks within `statement`, in the order in which they are printed.
 pub(crate) fn blocks(statement: &Statement) -> Vec<&Block> {
     match statement {
         Statement::Block(block) => vec![block],
@@ -292,9 +292,9 @@ pub(crate) fn blocks(statement: &Statement) -> Vec<&Block> {
 struct Check<'a> {
     module: &'a Module,
     places: &'a Places<'a>,
-    /// By the functions' numbers.
+    /// Summaries by the functions' indices.
     summaries: Vec<Summary>,
-    /// What is no error.
+    /// Faults that are not errors.
     told: Vec<Fault>,
 }
 
@@ -303,7 +303,7 @@ struct Check<'a> {
 struct Requirement {
     scope: Scope,
     severity: Severity,
-    /// What must be uniform.
+    /// Node that must be uniform.
     node: Node,
     cause: Cause,
 }
@@ -367,7 +367,7 @@ impl Check<'_> {
                     graph::Leaf::Differs(of)
                         if of == Scope::Subgroup || of == requirement.scope =>
                     {
-                        // One of a kind is told for each function, as browsers do.
+                        // Only one fault of a kind is reported for each function, as browsers do.
                         if told.insert((requirement.scope, requirement.severity)) {
                             let path = graph.path(from);
                             let fault = self.fault(which, &requirement, &path);
@@ -414,7 +414,8 @@ impl Check<'_> {
         feeds
     }
 
-    /// Where what may differ comes from: of a call's result, what makes it differ within the function called.
+    /// Source of non-uniformity behind `node`; where it is the result of a call, the source within the called
+    /// function.
     fn origin(&self, function: Which, node: What, scope: Scope) -> Origin {
         let inner = match node {
             What::Value(value) => match self.body(function).expressions[value] {

@@ -22,7 +22,7 @@ pub(crate) struct Unit {
     pub(crate) globals: FxHashMap<Handle<GlobalVariable>, Item>,
     /// What each named constant is.
     pub(crate) constants: FxHashMap<Handle<naga::Constant>, Item>,
-    /// What each named override is.
+    /// Item that each named override came from.
     pub(crate) overrides: FxHashMap<Handle<naga::Override>, Item>,
     /// The module's own functions.
     pub(crate) own_functions: FxHashMap<String, Handle<Function>>,
@@ -34,7 +34,7 @@ pub(crate) struct Unit {
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
-    /// What of the text that naga parsed is the author's.
+    /// The author's part of the text that naga parsed.
     pub(crate) own: Range<usize>,
     /// The module's diagnostic filters.
     pub(crate) filters: Arc<Filters>,
@@ -201,8 +201,8 @@ fn shift_function(function: &mut Function, base: usize, own: &Range<usize>) {
     shift_block(&mut function.body, base, own);
 }
 
-/// Takes out the `return` that naga ends a function with where its author did not. It gives no value, and where
-/// the end cannot be reached none is due; where it can, `rules::flow` says so.
+/// Removes the `return` that naga adds at the end of a function that has none there. It returns no value. Where the
+/// end is unreachable none is needed; where it is reachable, `rules::flow` reports the missing value.
 fn drop_added_returns(block: &mut Block) {
     let last = block.span_iter().last();
     let added = last.is_some_and(|(statement, span)| {
@@ -372,7 +372,7 @@ fn parse_fault(
             fault = fault.at(source.place_labelled(range, plain(label)));
         }
     }
-    // A name whose import leads nowhere is told at the import.
+    // An import that resolves to nothing is reported at the import.
     let place = (error.labels().next()).and_then(|(span, _)| span.to_range());
     let word = place.clone().and_then(|range| prepared.text.get(range));
     if let (Some(unknown), Some(range)) = (word.and_then(|word| prepared.unknown.get(word)), place)

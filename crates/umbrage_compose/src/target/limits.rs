@@ -1,8 +1,8 @@
-//! A device's limits, by WebGPU's names.
+//! Limits of a device, by WebGPU's names.
 
 macro_rules! limits {
     ($($(#[$doc:meta])* $limit:ident = $name:literal, $default:literal;)+) => {
-        /// A limit that a shader may run into, as WebGPU has it.
+        /// A limit of WebGPU that a shader may exceed.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Limit {
@@ -10,17 +10,17 @@ macro_rules! limits {
         }
 
         impl Limit {
-            /// All of them.
+            /// All limits.
             pub const ALL: &[Self] = &[$(Self::$limit),+];
 
-            /// Its name in WebGPU.
+            /// WebGPU's name for the limit.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$limit => $name,)+
                 }
             }
 
-            /// What every WebGPU device has at the least.
+            /// WebGPU's default, which every device offers.
             pub fn webgpu(self) -> u64 {
                 match self {
                     $(Self::$limit => $default,)+
@@ -30,7 +30,8 @@ macro_rules! limits {
     };
 }
 
-// <https://gpuweb.github.io/gpuweb/#limits>; those of textures, draws and dispatches are the host's alone.
+// <https://gpuweb.github.io/gpuweb/#limits>, without those of textures, draws and dispatches, which concern only
+// the host.
 limits! {
     /// Bind groups.
     BindGroups = "maxBindGroups", 4;
@@ -50,11 +51,11 @@ limits! {
     UniformBufferBindingSize = "maxUniformBufferBindingSize", 65_536;
     /// Bytes of a storage buffer.
     StorageBufferBindingSize = "maxStorageBufferBindingSize", 134_217_728;
-    /// Attributes that a vertex stage reads, and their locations, from 0.
+    /// Attributes that a vertex stage reads, and the number of their locations, counted from 0.
     VertexAttributes = "maxVertexAttributes", 16;
-    /// Variables between a vertex and a fragment stage, and their locations, from 0.
+    /// Variables between a vertex and a fragment stage, and the number of their locations, counted from 0.
     InterStageShaderVariables = "maxInterStageShaderVariables", 16;
-    /// Colours that a fragment stage writes, by their locations, from 0.
+    /// Colours that a fragment stage writes, as the number of their locations, counted from 0.
     ColorAttachments = "maxColorAttachments", 8;
     /// Bytes of workgroup memory.
     ComputeWorkgroupStorageSize = "maxComputeWorkgroupStorageSize", 16_384;

@@ -1,4 +1,4 @@
-//! A function's values and control flow, with an edge from each to what it depends on.
+//! Graph of a function's values and control flow, with an edge from each node to those that it depends on.
 
 use std::collections::VecDeque;
 
@@ -6,25 +6,25 @@ use naga::Span;
 
 use super::{Scope, What};
 
-/// A node's number.
+/// Index of a node.
 pub(super) type Node = u32;
 
-/// What is the same for all invocations: constants.
+/// Node of values that are the same for all invocations: constants.
 pub(super) const UNIFORM: Node = 0;
-/// Control flow at the function's start.
+/// Node of the control flow at the function's start.
 pub(super) const START: Node = 1;
-/// What may differ between the invocations of a workgroup, but not within a subgroup.
+/// Node of values that may differ within a workgroup, but not within a subgroup.
 pub(super) const DIFFERS_IN_WORKGROUP: Node = 2;
-/// What may differ between all invocations.
+/// Node of values that may differ between any invocations.
 pub(super) const DIFFERS: Node = 3;
-/// A parameter's value and contents follow, for each.
+/// First of the parameters' nodes, two for each: its value and its contents.
 const PARAMETERS: Node = 4;
 
-/// What a node without edges is.
+/// Meaning of a node without edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Leaf {
     Start,
-    /// What may differ within the scope.
+    /// Values that may differ within the scope.
     Differs(Scope),
     Value(usize),
     Contents(usize),
@@ -33,7 +33,7 @@ pub(super) enum Leaf {
 #[derive(Debug)]
 pub(super) struct Graph {
     nodes: Vec<NodeData>,
-    /// Where an edge leads, and the next edge of its node; 0 for none.
+    /// Target of each edge, and the index of the same node's next edge; 0 where there is none.
     edges: Vec<(Node, u32)>,
     leaves: Node,
 }
@@ -42,7 +42,7 @@ pub(super) struct Graph {
 struct NodeData {
     first_edge: u32,
     what: What,
-    /// The node through which it was reached, itself for the first; none where it was not.
+    /// Node from which this one was reached; itself for the first node, none for one that was not reached.
     from: Option<Node>,
 }
 
@@ -67,7 +67,7 @@ impl Graph {
         PARAMETERS + 2 * parameter as Node + 1
     }
 
-    /// A new node.
+    /// Adds a node.
     pub(super) fn node(&mut self, what: What) -> Node {
         let node = self.nodes.len() as Node;
         self.nodes.push(NodeData {
@@ -78,7 +78,7 @@ impl Graph {
         node
     }
 
-    /// A new node that depends on `on`.
+    /// Adds a node that depends on `on`.
     pub(super) fn node_on(&mut self, what: What, on: impl IntoIterator<Item = Node>) -> Node {
         let node = self.node(what);
         for on in on {
@@ -87,7 +87,7 @@ impl Graph {
         node
     }
 
-    /// Has `node` depend on `on`.
+    /// Makes `node` depend on `on`.
     pub(super) fn edge(&mut self, node: Node, on: Node) {
         if on == UNIFORM || on == node {
             return;
@@ -117,15 +117,15 @@ impl Graph {
         }
     }
 
-    /// Has every node count as not reached.
+    /// Marks every node as not reached.
     pub(super) fn forget(&mut self) {
         for node in &mut self.nodes {
             node.from = None;
         }
     }
 
-    /// The leaves that `start` depends on, by way of nodes that were not reached before, nearest first,
-    /// each with the node that led to it.
+    /// Leaves that `start` depends on, by way of nodes that were not reached before, nearest first, each with the
+    /// node that led to it.
     pub(super) fn leaves(&mut self, start: Node) -> Vec<(Node, Node)> {
         let mut leaves = Vec::new();
         if start == UNIFORM {
@@ -155,7 +155,7 @@ impl Graph {
         leaves
     }
 
-    /// What lies on the way to `node`, from where it was looked for.
+    /// Path to `node` from the node at which the search started.
     pub(super) fn path(&self, node: Node) -> Vec<What> {
         let mut path = Vec::new();
         let mut at = node;
@@ -170,13 +170,13 @@ impl Graph {
         path
     }
 
-    /// Where control flow first parts on the way to `node`.
+    /// First branch on the path to `node`.
     pub(super) fn branch(&self, node: Node) -> Option<Span> {
         branch(&self.path(node))
     }
 }
 
-/// Where control flow first parts on `path`.
+/// First branch on `path`.
 pub(super) fn branch(path: &[What]) -> Option<Span> {
     path.iter().find_map(|what| match what {
         What::Branch(span) => Some(*span),

@@ -1,4 +1,4 @@
-//! What an author is told of a demand that is not met: what, where, by which calls, why, and what to do.
+//! Report of a demand that is not met: the operation, the calls that lead to it, the reason, and the advice.
 
 use naga::{AddressSpace, Binding, Expression, Function, Handle, Span};
 
@@ -9,12 +9,12 @@ use super::{
 use crate::{Cause as Kind, Fault, diagnostics::Rule};
 
 impl Check<'_> {
-    /// The fault of `requirement`, in the function `which`: `path` leads from what must be uniform to what
-    /// may differ.
+    /// Fault of `requirement` in the function `which`; `path` leads from the node that must be uniform to the
+    /// source of non-uniformity.
     pub(super) fn fault(&self, which: Which, requirement: &Requirement, path: &[What]) -> Fault {
         let mut cause = requirement.cause;
         let mut calls = Vec::new();
-        // Of what is demanded of an argument, control flow parts within the function called.
+        // Where the demand is on an argument, the branch lies within the called function.
         let mut parts = None;
         while let Some((callee, part, need)) = self.within(cause, requirement.scope) {
             calls.push((callee, cause.span));
@@ -42,7 +42,7 @@ impl Check<'_> {
                 );
                 (message, demand)
             }
-            // A call's need leads to an operation.
+            // Not reached: the chain of calls always ends at an operation.
             CauseKind::Call(_, _) => return Fault::new(Kind::Validation, "not uniform"),
         };
         let mut fault = Fault::new(Kind::Validation, message);
@@ -85,7 +85,7 @@ impl Check<'_> {
         fault.note(advice(&operation, demand))
     }
 
-    /// What in a called function demands what `cause` does.
+    /// Demand in the called function behind `cause`, where `cause` is a call.
     fn within(&self, cause: Cause, scope: Scope) -> Option<(Handle<Function>, Part, &Need)> {
         let CauseKind::Call(callee, part) = cause.kind else {
             return None;
@@ -99,7 +99,7 @@ impl Check<'_> {
         Some((callee, part, needs[scope as usize].as_ref()?))
     }
 
-    /// Where `origin` stands.
+    /// Place of `origin` in the text.
     fn place(&self, origin: Origin) -> Span {
         let function = self.body(origin.function);
         match origin.node {
@@ -117,7 +117,7 @@ impl Check<'_> {
         }
     }
 
-    /// Why `origin` may differ.
+    /// Reason why `origin` may differ between invocations.
     fn reason(&self, origin: Origin) -> String {
         let function = self.body(origin.function);
         let what = match origin.node {
@@ -182,7 +182,7 @@ impl Check<'_> {
         name.unwrap_or_default()
     }
 
-    /// The author's word at `span`.
+    /// Word of the author's text at `span`.
     fn word(&self, span: Span) -> String {
         let text = self.places.text(span);
         let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');

@@ -1,4 +1,4 @@
-//! The walk through a function's body that builds its graph.
+//! Walk through a function's body that builds its graph.
 
 mod values;
 
@@ -17,14 +17,14 @@ use super::{
     uniform_operand,
 };
 
-/// How a statement may be left: <https://www.w3.org/TR/WGSL/#behaviors>.
+/// Ways in which execution may leave a statement: <https://www.w3.org/TR/WGSL/#behaviors>.
 type Behaviors = u8;
 const NEXT: Behaviors = 1;
 const BREAK: Behaviors = 2;
 const CONTINUE: Behaviors = 4;
 const RETURN: Behaviors = 8;
 
-/// The number of a variable of the function, or of a parameter that points to one of a caller's.
+/// Index of a variable of the function, or of a parameter that points to a caller's variable.
 type Variable = usize;
 
 pub(super) struct Walk<'a> {
@@ -34,40 +34,40 @@ pub(super) struct Walk<'a> {
     pub(super) graph: Graph,
     pub(super) requirements: Vec<Requirement>,
     pub(super) result: Node,
-    /// For each parameter that points to a function's variable, its contents after the call.
+    /// Contents after the call, for each parameter that points to a function's variable.
     pub(super) after: Vec<Option<Node>>,
-    /// The parameters of an entry point, whose values callers do not choose.
+    /// Inputs of an entry point, whose values no caller chooses.
     inputs: Vec<Node>,
-    /// By the expressions' numbers.
+    /// Values by the expressions' indices.
     values: Vec<Node>,
-    /// What each variable holds at this place.
+    /// Value of each variable at the current statement.
     held: Vec<Node>,
-    /// What variables held before they were set, oldest first.
+    /// Values of variables before each assignment, oldest first.
     log: Vec<(Variable, Node)>,
-    /// What may be left by `break` around this place, outermost first.
+    /// Loops and switches around the current statement, outermost first.
     around: Vec<Around>,
-    /// The variables that are set in each loop and switch, by the address of its first block.
+    /// Variables assigned in each loop and switch, by the address of its first block.
     set_within: FxHashMap<*const Block, Vec<Variable>>,
-    /// For telling variables that were seen from others.
+    /// Scratch space: whether each variable was seen.
     seen: Vec<bool>,
 }
 
-/// A loop or a switch.
+/// A loop or a switch around the current statement.
 struct Around {
     is_loop: bool,
-    /// What is set within, with what it holds after.
+    /// Variables assigned within, each with its value after the loop or switch.
     exits: Vec<(Variable, Node)>,
-    /// What it holds where a loop's `continuing` begins.
+    /// The same variables, each with its value at the start of a loop's `continuing` block.
     continues: Vec<(Variable, Node)>,
 }
 
-/// What a pointer leads into.
+/// Root of a pointer: the variable or memory that it leads into.
 #[derive(Clone, Copy)]
 enum Root {
     Variable(Variable),
-    /// Memory that only reads reach, and the same for all.
+    /// Read-only memory, with the same contents for all invocations.
     Constant,
-    /// Memory that invocations share, or that outlives the function.
+    /// Memory that invocations share, or that outlives the function's call.
     Outside,
 }
 
@@ -139,7 +139,7 @@ impl<'a> Walk<'a> {
         self
     }
 
-    /// The variables that are set in `block`, noting those of loops and switches on the way.
+    /// Variables assigned in `block`. Notes those of the loops and switches in it on the way.
     fn note_set(&mut self, block: &Block) -> Vec<Variable> {
         let mut set = Vec::new();
         for statement in block.iter() {
@@ -177,14 +177,15 @@ impl<'a> Walk<'a> {
         set
     }
 
-    /// Walks through `block` in the control flow `flow`; the control flow after it, and how it may be left.
+    /// Walks through `block` in the control flow `flow`. Returns the control flow after it, and how execution may
+    /// leave it.
     fn block(&mut self, block: &'a Block, mut flow: Node) -> (Node, Behaviors) {
         let mut behaviors = NEXT;
         for (statement, span) in block.span_iter() {
             let (after, may) = self.statement(statement, *span, flow);
             flow = after;
             behaviors = behaviors & !NEXT | may;
-            // What follows is never reached.
+            // The rest of the block is unreachable.
             if may & NEXT == 0 {
                 break;
             }
@@ -357,7 +358,7 @@ impl<'a> Walk<'a> {
         let mut behaviors = 0;
         let mut ends = Vec::new();
         for case in cases {
-            // Selectors of one body but the last have an empty one.
+            // All selectors that share a body have an empty one, except the last.
             if case.fall_through {
                 continue;
             }
@@ -405,7 +406,7 @@ impl<'a> Walk<'a> {
             self.flow_to(&around.continues);
             self.around.push(around);
         }
-        // Where the body never goes on, `continuing` is never reached.
+        // `continuing` is unreachable where no path through the body leads to it.
         if may & (NEXT | CONTINUE) != 0 {
             if let Some(around) = self.around.last() {
                 for (variable, node) in around.continues.clone() {
@@ -424,7 +425,8 @@ impl<'a> Walk<'a> {
             self.graph.edge(start, after);
             self.flow_to(&begins);
         } else if self.check.places.text(span).starts_with("while") {
-            // The specification has all loops turn back; browsers spare those that never do, but not these.
+            // By the specification, every loop iterates again. Browsers drop that edge for loops that never do, but
+            // not for `while`.
             self.graph.edge(start, after_body);
         }
         self.exit();
@@ -439,7 +441,7 @@ impl<'a> Walk<'a> {
         (flow, behaviors)
     }
 
-    /// Enters a loop or switch whose first block is `first`; the variables that are set within.
+    /// Enters a loop or switch whose first block is `first`; returns the variables assigned within.
     fn enter(&mut self, first: Option<&Block>, is_loop: bool) -> Vec<Variable> {
         let set = first.and_then(|first| self.set_within.get(&std::ptr::from_ref(first)));
         let set = set.cloned().unwrap_or_default();
@@ -469,14 +471,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Has what variables hold here flow to `nodes`.
+    /// Lets the variables' current values flow to `nodes`.
     fn flow_to(&mut self, nodes: &[(Variable, Node)]) {
         for (variable, node) in nodes {
             self.graph.edge(*node, self.held[*variable]);
         }
     }
 
-    /// Control flow that parts by the value of `condition`.
+    /// Control flow after a branch on `condition`.
     fn part(&mut self, condition: Handle<Expression>, span: Span, flow: Node) -> Node {
         let value = self.value(condition);
         let own = self.function.expressions.get_span(condition);
@@ -484,7 +486,7 @@ impl<'a> Walk<'a> {
         self.graph.node_on(What::Branch(span), [value, flow])
     }
 
-    /// Notes what pointers lead to where the function is left.
+    /// Records the contents of the pointer parameters where execution leaves the function.
     fn leave(&mut self) {
         let locals = self.function.local_variables.len();
         for index in 0..self.after.len() {
@@ -499,7 +501,8 @@ impl<'a> Walk<'a> {
         self.held[variable] = node;
     }
 
-    /// Takes back what was set since the log had `start` entries; what each variable so set held.
+    /// Undoes the assignments made since the log had `start` entries; returns the variables and the values that
+    /// they had been assigned.
     fn undo(&mut self, start: usize) -> Vec<(Variable, Node)> {
         let mut set = Vec::new();
         for (variable, before) in self.log.drain(start..).rev() {

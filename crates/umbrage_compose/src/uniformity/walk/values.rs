@@ -1,4 +1,4 @@
-//! What expressions depend on, where pointers lead, and what differs between invocations to begin with.
+//! Dependencies of expressions, roots of pointers, and sources of non-uniformity.
 
 use naga::{
     AddressSpace, Binding, BuiltIn, Expression, GlobalVariable, Handle, ImageClass, ImageQuery,
@@ -41,7 +41,7 @@ impl Walk<'_> {
         for_each_operand(expression, &mut |operand| on.push(self.value(operand)));
         on.retain(|node| *node != UNIFORM);
         match on.as_slice() {
-            // A value that depends on nothing else is as uniform as where it is computed.
+            // A value that depends on nothing else is as uniform as the control flow in which it is computed.
             [only] if *only == flow => flow,
             _ => self.graph.node_on(What::Value(handle), on),
         }
@@ -73,7 +73,7 @@ impl Walk<'_> {
         }
     }
 
-    /// What `pointer` leads into, and whether to all of it.
+    /// Root of `pointer`, and whether it points to the whole of it.
     pub(super) fn root(&self, mut pointer: Handle<Expression>) -> (Root, bool) {
         let mut whole = true;
         loop {
@@ -106,7 +106,7 @@ impl Walk<'_> {
     }
 }
 
-/// The address space of a pointer's type.
+/// Address space of a pointer type.
 pub(super) fn space(ty: &TypeInner) -> Option<AddressSpace> {
     match ty {
         TypeInner::Pointer { space, .. } | TypeInner::ValuePointer { space, .. } => Some(*space),
@@ -124,7 +124,7 @@ fn memory(space: AddressSpace) -> Root {
     }
 }
 
-/// How an entry point's input may differ; of a struct, the worst of its members.
+/// Node for the uniformity of an entry point's input; for a struct, that of its least uniform member.
 pub(super) fn differs(
     check: &Check<'_>,
     stage: ShaderStage,
@@ -153,7 +153,7 @@ pub(super) fn differs(
     }
 }
 
-/// Calls `visit` for each expression that `expression` is made of.
+/// Calls `visit` for each operand of `expression`.
 pub(crate) fn for_each_operand(
     expression: &Expression,
     visit: &mut impl FnMut(Handle<Expression>),
