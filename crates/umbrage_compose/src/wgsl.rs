@@ -1,19 +1,20 @@
 //! WGSL text of a module, for hosts that take WGSL.
 //!
-//! Naga's writer does most of the work. What it cannot say is put right here:
+//! Naga's writer does most of the work. Its gaps are filled here:
 //!
 //! - *Names.* A host finds entry points, overrides, bindings and members by the names that their authors gave. The
-//!   writer changes a name that ends in a digit or in `_`, that has a character beyond ASCII, or that anything else
-//!   in the module has, and nothing can keep it from that. So it is given a module in which every name is a *mark*
-//!   (`marks`): a word that it passes on as it is, unlike any that it writes itself. Once the text is there, and
-//!   with it all of WGSL's own words that it uses, every mark gets a name (`naming`): hosts' names as they are,
-//!   others as they are wherever nothing else of that name is meant there. No name is ever looked for in the text.
-//! - *Expressions of overrides.* At module scope the writer has words for values alone. Such an expression is
-//!   told by a function made for it, which a writer has words for, and taken from its text.
-//! - *Lengths of arrays* that are overrides: a number stands for each until the text is there.
-//! - *Diagnostic filters*, and the extension `subgroups`, of which its IR knows nothing (`diagnostics`).
-//! - *Layouts.* The writer leaves `@size` and `@align` out. Every member that is followed by more room than
-//!   it needs says so by `@size`, which fixes all offsets.
+//!   writer changes a name that ends in a digit or in `_`, that has a character beyond ASCII, or that something
+//!   else in the module has, and there is no option against that. So it is given a module in which every name is a
+//!   *mark* (`marks`): a word that the writer leaves unchanged, and that is unlike any word of its own. The text
+//!   that it writes shows which of WGSL's own words it uses. Only then does every mark get a name (`naming`): names
+//!   that hosts know are kept, and so are others wherever nothing else there has the same name. No name is ever
+//!   searched for in the text.
+//! - *Expressions of overrides.* At module scope the writer can write only values. Such an expression is put into a
+//!   function made for it (a *teller*), where the writer can write it, and taken from that function's text.
+//! - *Lengths of arrays* that are overrides: a number stands for each until the text is written.
+//! - *Diagnostic filters*, and the extension `subgroups`, which naga's IR does not record (`diagnostics`).
+//! - *Layouts.* The writer leaves out `@size` and `@align`. Every member that is followed by more room than it
+//!   needs gets a `@size`, which fixes all offsets.
 
 mod marks;
 mod naming;
@@ -35,13 +36,13 @@ use self::{
     text::{Line, Piece, Text},
 };
 
-/// Why a module cannot be said in WGSL.
+/// Reasons why a module cannot be written as WGSL.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
-    /// A host's name that cannot be kept.
+    /// A name that a host knows cannot be kept.
     #[error("a host knows `{0}` by this name, by which the linked shader needs WGSL's own `{0}`")]
     Host(String),
-    /// A variable whose type has no name and no value to begin with.
+    /// A variable without an initializer has a type that has no name in WGSL.
     #[error(
         "`{0}` is a `var` of what `atomicCompareExchangeWeak` gives, which has no name: use `let`"
     )]
@@ -50,8 +51,8 @@ pub(crate) enum Error {
     Naga(String),
 }
 
-/// Whether only printing the valid `module` can tell whether WGSL has words for it: it can hold what WGSL has no name
-/// for, or a host knows a part of it by one of WGSL's own names.
+/// Whether `module` must be printed to find out whether it can be written as WGSL: it may use a type that has no
+/// name in WGSL, or a host may know a part of it by one of WGSL's own names.
 pub(crate) fn is_doubtful(module: &Module) -> bool {
     let mut predeclared = module.special_types.predeclared_types.keys();
     let nameless =
@@ -63,7 +64,7 @@ pub(crate) fn is_doubtful(module: &Module) -> bool {
     predeclared.any(nameless) || names.any(|name| BUILTIN_IDENTIFIERS.contains(&name.as_str()))
 }
 
-/// The valid `module` as WGSL, with the diagnostic filters that are `written` in it.
+/// The valid `module` as WGSL, with the diagnostic filters `written`.
 pub(crate) fn write(
     module: &Module,
     info: &ModuleInfo,
@@ -83,7 +84,7 @@ fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
         return Err(Error::Nameless(variable, span));
     }
     let info = if marked.has_tellers() {
-        // The module is valid: only the types of what the tellers tell are wanted.
+        // The module is known to be valid: only the types of the tellers' expressions are needed.
         Validator::new(ValidationFlags::empty(), Capabilities::all())
             .validate(&marked.module)
             .map(Cow::Owned)
@@ -108,7 +109,7 @@ fn write_module(module: &Module, info: &ModuleInfo) -> Result<String, Error> {
 struct Printer<'a> {
     marked: &'a Marked,
     text: &'a Text<'a>,
-    /// By mark.
+    /// Names by mark.
     names: Vec<String>,
     out: String,
 }
@@ -130,7 +131,8 @@ impl Printer<'_> {
         self.out
     }
 
-    /// Whether the line declares what naga made of an array's length, which the array says itself.
+    /// Whether the line declares the override that naga made of an array's length, which is written in the array's
+    /// type instead.
     fn is_length(&self, line: &Line<'_>) -> bool {
         let things = &self.marked.things;
         line.function.is_none()
@@ -158,7 +160,7 @@ impl Printer<'_> {
         if let Some(room) = room {
             self.out.push_str(&format!("    @size({room})"));
         }
-        // The attribute takes the place of the indent but for one space.
+        // The attribute replaces the indent, except for one space.
         let indent = if room.is_some() { 3 } else { 0 };
         self.pieces(&line.pieces, indent);
     }
@@ -174,7 +176,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A line, with the value that its override or variable begins with where naga has no words for it.
+    /// Prints a declaration, with the initializer of its override or variable where naga cannot write it.
     fn declaration(&mut self, line: &Line<'_>) {
         self.pieces(&line.pieces, 0);
         let subject = line.subject().filter(|_| line.function.is_none());
@@ -193,7 +195,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints `pieces`, leaving out as many bytes of the first.
+    /// Prints `pieces`, without the first `left_out` bytes of the first one.
     fn pieces(&mut self, pieces: &[Piece<'_>], mut left_out: usize) {
         for piece in pieces {
             match piece {

@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all.
+//! Atomic writes: a file is written whole or not at all.
 
 use std::{
     fs::{self, File},
@@ -6,16 +6,17 @@ use std::{
     path::Path,
 };
 
-/// What the file that is being written is called: [`PREFIX`], letters, [`SUFFIX`].
+/// Temporary file's name: [`PREFIX`], then random letters, then [`SUFFIX`].
 const PREFIX: &str = ".umbrage-";
 const LETTERS: usize = 12;
 const SUFFIX: &str = ".part";
 
-/// Writes the file `path`, open to whom the process's umask allows. It is written beside its place and then renamed,
-/// so that others see what stood there or all of it, even where the process is killed.
+/// Writes the file `path`, with the permissions that the process's umask allows. The bytes go to a temporary file
+/// in the same folder, which is then renamed, so that others see the old file or the whole new one, even where the
+/// process is killed.
 ///
 /// # Errors
-/// A folder that is missing, full or cannot be written to.
+/// A folder that does not exist, is full or cannot be written to.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).rand_bytes(LETTERS).suffix(SUFFIX);
@@ -26,9 +27,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     loop {
         let mut file = builder.tempfile_in(folder_of(path))?;
-        // Where files cannot be locked, none is swept either.
+        // Where files cannot be locked, `sweep_beside` removes none either.
         let _ = file.as_file().lock();
-        // Until it was locked, another process may have taken it for one left behind.
+        // Before this lock, another process may have taken the file for one left behind, and removed it.
         if !file.path().exists() {
             continue;
         }
@@ -37,8 +38,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Removes from the folder that `path` lies in what killed processes left of files that [`write_whole`] was
-/// writing there. What a process is writing stays, as does what cannot be removed.
+/// Removes the temporary files that killed processes left in the folder of `path` from their calls of
+/// [`write_whole`]. Files that a process is still writing stay, as do those that cannot be removed.
 pub fn sweep_beside(path: &Path) {
     let entries = fs::read_dir(folder_of(path)).into_iter().flatten();
     for entry in entries.flatten() {
@@ -50,7 +51,7 @@ pub fn sweep_beside(path: &Path) {
             && let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
         {
-            // Another process may be sweeping as well.
+            // Another process may have removed it first.
             let _ = fs::remove_file(entry.path());
         }
     }

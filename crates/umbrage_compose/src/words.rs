@@ -1,4 +1,4 @@
-//! Naga's errors in WGSL's words: its own types, flags and numbers mean nothing to an author.
+//! Translation of naga's errors into WGSL's words: naga's own types, flags and numbers mean nothing to an author.
 
 use std::error::Error;
 
@@ -12,7 +12,7 @@ use naga::{
     },
 };
 
-/// What the innermost cause of `error` says, and in which declarations it is, the innermost first.
+/// Message of the innermost cause of `error`, and the declarations that it lies in, innermost first.
 pub(crate) fn said(error: &ValidationError, module: &Module) -> (String, Vec<String>) {
     let mut contexts = Vec::new();
     let mut last: &(dyn Error + 'static) = error;
@@ -25,7 +25,7 @@ pub(crate) fn said(error: &ValidationError, module: &Module) -> (String, Vec<Str
     (message, contexts)
 }
 
-/// In which declaration it is, where `error` says no more than that.
+/// Declaration that `error` lies in, where `error` says no more than that.
 fn context(error: &(dyn Error + 'static)) -> Option<String> {
     let named =
         |what: &str, name: &str| (!name.is_empty()).then(|| format!("in the {what} `{name}`"));
@@ -44,16 +44,16 @@ fn context(error: &(dyn Error + 'static)) -> Option<String> {
             Some(_) => None,
             None => {
                 let text = error.to_string();
-                // What speaks of a thing by its number alone says nothing.
+                // An error that names a thing only by its number tells the author nothing.
                 (without_handles(&text) == text).then(|| plain(&text))
             }
         },
     }
 }
 
-/// What there are better words for than naga's, or types to tell.
+/// Message of our own for errors that naga words badly, or whose types it does not name.
 fn own_words(error: &(dyn Error + 'static), module: &Module) -> Option<String> {
-    // Some only pass another's words on.
+    // Some errors only pass on another error.
     match error.downcast_ref::<EntryPointError>() {
         Some(EntryPointError::Result(inner)) => return own_words(inner, module),
         Some(EntryPointError::Function(inner)) => return own_words(inner, module),
@@ -281,10 +281,10 @@ fn type_name(handle: Handle<Type>, module: &Module) -> String {
     format!("{:?}", DiagnosticDebug((handle, &module.types)))
 }
 
-/// Naga's words without its own types' names and numbers.
+/// Naga's words without the names of its own types and without its numbers.
 pub(crate) fn plain(text: &str) -> String {
     let text = without_handles(text).replace(" Some()", "");
-    // `Type flags TypeFlags(A | B) do not meet the required TypeFlags(A | C)`: it lacks C.
+    // `Type flags TypeFlags(A | B) do not meet the required TypeFlags(A | C)`: the type lacks C.
     if let Some((found, required)) = text.split_once(" do not meet the required TypeFlags(") {
         let found: Vec<_> = found.split(['(', ')', '|', ' ']).collect();
         let required = required.trim_end_matches(')').split(" | ");
@@ -309,9 +309,10 @@ pub(crate) fn plain(text: &str) -> String {
     lowered(&text)
 }
 
-/// What naga's front end says, which quotes the text, without its own types' names and numbers.
+/// A message of naga's front end, which quotes the text, without the names of naga's types and without its numbers.
 pub(crate) fn plain_of_front(text: &str) -> String {
-    // "Cannot cast scalar components of expression `[3] Literal(F32(1.0))` to type `u32`": the place shows it.
+    // "Cannot cast scalar components of expression `[3] Literal(F32(1.0))` to type `u32`": the place already shows
+    // the expression.
     if let Some((_, to)) = text.split_once("` to type `")
         && text.starts_with("Cannot cast")
     {
@@ -320,7 +321,7 @@ pub(crate) fn plain_of_front(text: &str) -> String {
     lowered(&without_handles(&unwrapped(text)))
 }
 
-/// `text` without the name around a value, as in `AbstractInt(300)`.
+/// `text` without the type name around a value, as in `AbstractInt(300)`.
 fn unwrapped(text: &str) -> String {
     let unwrap = || {
         let (before, quoted) = text.split_once("`Abstract")?;
@@ -331,15 +332,15 @@ fn unwrapped(text: &str) -> String {
     unwrap().unwrap_or_else(|| text.to_owned())
 }
 
-/// Naga numbers things by handles such as `[3]`, which mean nothing to an author; members and arguments it counts
-/// from 0.
+/// `text` without handles such as `[3]`, naga's numbers for things, which mean nothing to an author, and with
+/// members and arguments counted from 1, where naga counts from 0.
 fn without_handles(text: &str) -> String {
     let mut out = String::new();
     for (index, part) in text.split('`').enumerate() {
         if index > 0 {
             out.push('`');
         }
-        // What is quoted is the author's.
+        // Quoted parts are the author's own words.
         match index % 2 {
             0 => without_handles_in(part, &mut out),
             _ => out.push_str(part),
@@ -361,7 +362,7 @@ fn without_handles_in(mut rest: &str, out: &mut String) {
             }
             Ok(_) => {
                 out.push_str(before.trim_end());
-                // A preposition needs something to speak of.
+                // A preposition needs a noun after it.
                 let preposition = ["of", "from", "to", "in", "with", "like", "for", "as"];
                 if (preposition.iter()).any(|word| out.ends_with(&format!(" {word}"))) {
                     out.push_str(" this");
@@ -374,8 +375,8 @@ fn without_handles_in(mut rest: &str, out: &mut String) {
     out.push_str(rest);
 }
 
-/// Begins in lower case, and writes naga's enumerations as WGSL would: outside quotes, a word in capitals is one
-/// of them, and so is what stands in brackets behind it.
+/// `text` with a lower-case beginning, and with naga's enumerations as WGSL would write them. Outside of quotes, a
+/// capitalised word belongs to an enumeration, and so does the bracketed part after it.
 fn lowered(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -409,7 +410,7 @@ fn lowered(text: &str) -> String {
     out
 }
 
-/// What a word that naga writes stands for; takes what belongs to it from `rest`.
+/// WGSL's form of an enumeration's word, and its arguments in words; removes these arguments from `rest`.
 fn enumerated(word: &str, rest: &mut &str) -> (String, Option<String>) {
     let simple = word.rsplit("::").next().unwrap_or(word);
     let name = snake(simple);
@@ -427,7 +428,7 @@ fn enumerated(word: &str, rest: &mut &str) -> (String, Option<String>) {
     (name, None)
 }
 
-/// Where the bracket that `text` begins with is closed.
+/// Index of the bracket that closes the one at the start of `text`.
 fn closing(text: &str) -> Option<usize> {
     let mut depth = 0usize;
     for (at, c) in text.char_indices() {
@@ -441,7 +442,7 @@ fn closing(text: &str) -> Option<usize> {
     None
 }
 
-/// `WorkGroup` as `work_group`; flags in capitals, as `HOST_SHAREABLE`, in lower case.
+/// `word` in snake case: `work_group` for `WorkGroup`; a flag in capitals, such as `HOST_SHAREABLE`, in lower case.
 fn snake(word: &str) -> String {
     let mut out = String::new();
     let mut last_is_lower = false;
@@ -455,7 +456,7 @@ fn snake(word: &str) -> String {
     out
 }
 
-/// `ID`, `NaN`, `RHS`.
+/// Whether `word` is an abbreviation: `ID`, `NaN`, `RHS`.
 fn is_abbreviation(word: &str) -> bool {
     word.len() < 4 && word.chars().filter(|c| c.is_uppercase()).count() > 1
 }

@@ -1,4 +1,4 @@
-//! Marks: words that stand for a module's names while naga writes it.
+//! Marks: unique words that replace a module's names while naga writes it.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,29 +8,29 @@ use naga::{
     proc::{LayoutError, Layouter},
 };
 
-/// A mark is this, its number, and the end: ASCII letters, digits and single `_`, with a letter last, which is a name
-/// that naga leaves as it is. No word that it writes itself begins so.
+/// A mark consists of this start, its number, and the end: ASCII letters, digits and single `_`, with a letter
+/// last. Naga leaves such a name unchanged, and none of its own words begins like this.
 const START: &str = "umbrage_";
 const END: &str = "n";
 
 /// A module in which every name is a mark.
 pub(super) struct Marked {
     pub(super) module: Module,
-    /// What has a mark, by the mark's number.
+    /// Marked things, by the mark's number.
     pub(super) things: Vec<Thing>,
-    /// The tellers of what overrides and variables begin with, by the marks of these.
+    /// Tellers of the initializers of overrides and variables, by the marks of these.
     pub(super) values: HashMap<usize, usize>,
-    /// Sizes of workgroups that depend on overrides, by the marks of entry points.
+    /// Workgroup sizes that depend on overrides, by the marks of entry points.
     pub(super) workgroup_sizes: HashMap<usize, [Size; 3]>,
-    /// What local variables begin with whose types have no name in WGSL, to say what type they are.
+    /// Initializers for local variables whose types have no name in WGSL, from which their types are inferred.
     pub(super) inferred: HashMap<usize, String>,
-    /// A local variable that WGSL has no way to declare.
+    /// A local variable that cannot be declared in WGSL.
     pub(super) undeclarable: Option<(String, Span)>,
-    /// The lengths of arrays that numbers stand for.
+    /// Lengths of arrays, by the numbers that stand for them.
     pub(super) lengths: HashMap<u32, Length>,
-    /// Tellers: functions that only tell an expression.
+    /// Marks of tellers: functions made only so that naga writes an expression.
     tellers: HashSet<usize>,
-    /// The overrides' marks, in their order.
+    /// Marks of the overrides, in their order.
     overrides: Vec<usize>,
 }
 
@@ -40,31 +40,31 @@ pub(super) struct Thing {
     /// Its name in the module.
     pub(super) name: String,
     pub(super) scope: Scope,
-    /// Of a struct's member, the bytes that it must ask for; none where it takes no more than it needs.
+    /// For a struct's member, the `@size` that it must have; none where it takes no more room than it needs.
     pub(super) room: Option<u32>,
 }
 
-/// Where a name is known.
+/// Scope in which a name is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
-    /// In the whole module.
+    /// The whole module.
     Module(Rank),
-    /// In its struct, which has no other of that name.
+    /// Its struct, which has no other member of that name.
     Struct,
-    /// In the function of this mark.
+    /// The function with this mark.
     Function(usize),
-    /// Nowhere: it is not printed.
+    /// None: the name is not printed.
     Unsaid,
 }
 
-/// What of several things has the first claim on a name.
+/// Order in which things with the same name may claim it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
-    /// What a host can find by its name alone.
+    /// Things that a host finds only by name.
     Host,
-    /// What a host finds by its name in the reflection.
+    /// Things whose name a host finds in the reflection.
     Resource,
-    /// Everything else.
+    /// All other things.
     Other,
 }
 
@@ -72,16 +72,16 @@ pub(super) enum Rank {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Size {
     Number(u32),
-    /// What this teller tells.
+    /// The expression of this teller.
     Told(usize),
 }
 
 /// An array's length.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Length {
-    /// The override of this mark.
+    /// The override with this mark.
     Override(usize),
-    /// What this teller tells.
+    /// The expression of this teller.
     Told(usize),
 }
 
@@ -118,13 +118,13 @@ impl Marked {
         Ok(marked)
     }
 
-    /// The number of the mark `word`, if it is one.
+    /// Number of the mark `word`; none where it is not a mark.
     pub(super) fn number(word: &str) -> Option<usize> {
         let number = word.strip_prefix(START)?.strip_suffix(END)?;
         number.parse().ok()
     }
 
-    /// Makes a mark for what is called `name`.
+    /// Makes a mark for a thing with the name `name`.
     pub(super) fn mark(&mut self, name: &str, scope: Scope) -> usize {
         self.things.push(Thing {
             name: name.to_owned(),
@@ -134,7 +134,7 @@ impl Marked {
         self.things.len() - 1
     }
 
-    /// Whether there are functions that the module's author did not write.
+    /// Whether the module has tellers, which its author did not write.
     pub(super) fn has_tellers(&self) -> bool {
         !self.tellers.is_empty()
     }
@@ -143,7 +143,7 @@ impl Marked {
         self.tellers.contains(&mark)
     }
 
-    /// Puts a number in the place of each array's length that is an override, for which naga has no words.
+    /// Replaces each array length that is an override, which naga cannot write, by a number.
     pub(super) fn put_numbers_for_lengths(&mut self) {
         let lengths = |inner: &TypeInner| match *inner {
             TypeInner::Array { size, .. } | TypeInner::BindingArray { size, .. } => Some(size),
@@ -187,7 +187,7 @@ impl Marked {
         self.mark(name.as_deref().unwrap_or("unnamed"), scope)
     }
 
-    /// Marks structs and their members, but for those that are WGSL's own.
+    /// Marks structs and their members, except for WGSL's own.
     fn structs(&mut self, module: &Module) -> Result<(), LayoutError> {
         let mut layouter = Layouter::default();
         layouter.update(module.to_ctx())?;
@@ -279,7 +279,7 @@ impl Marked {
         }
     }
 
-    /// Marks what is known in the function of mark `mark` alone.
+    /// Marks the names that are visible only in the function with the mark `mark`.
     fn within(&mut self, mark: usize, function: &mut Function) {
         let scope = Scope::Function(mark);
         for argument in &mut function.arguments {
@@ -303,8 +303,8 @@ impl Marked {
         }
     }
 
-    /// Adds a function that tells one of `module`'s own expressions. Nothing in it is computed by a statement of
-    /// its own, so that the whole expression is written in one place.
+    /// Adds a teller for one of `module`'s own expressions. Its body only returns the expression, with no statement
+    /// that evaluates a part of it, so naga writes the whole expression in one place.
     fn teller(&mut self, module: &Module, expression: Handle<Expression>) -> usize {
         let mark = self.mark("", Scope::Unsaid);
         let mut body = Block::new();
@@ -326,7 +326,7 @@ fn word(mark: usize) -> String {
     format!("{START}{mark}{END}")
 }
 
-/// A call that gives zeros of the predeclared type `ty`; none where there is none.
+/// Text of a call that returns the zero value of the predeclared type `ty`; none where there is no such call.
 fn zero(ty: &PredeclaredType) -> Option<String> {
     let (function, size, scalar) = match *ty {
         PredeclaredType::ModfResult { size, scalar } => ("modf", size, scalar),
@@ -340,7 +340,7 @@ fn zero(ty: &PredeclaredType) -> Option<String> {
     })
 }
 
-/// Whether naga has words for all of the module's own expressions.
+/// Whether naga can write all of the module-scope expressions.
 fn says_all(module: &Module) -> bool {
     let mut expressions = module.global_expressions.iter();
     expressions.all(|(_, expression)| {
@@ -356,7 +356,7 @@ fn says_all(module: &Module) -> bool {
     })
 }
 
-/// For each of a struct's members the room that it must ask for, if it takes more than it needs.
+/// For each member of a struct, the `@size` that it must have, if it takes more room than it needs.
 fn rooms(layouter: &Layouter, members: &[naga::StructMember], span: u32) -> Vec<Option<u32>> {
     let alignments = members.iter().map(|member| layouter[member.ty].alignment);
     let Some(alignment) = alignments.max() else {
@@ -377,7 +377,7 @@ fn rooms(layouter: &Layouter, members: &[naga::StructMember], span: u32) -> Vec<
 mod tests {
     use super::*;
 
-    /// What makes it certain that no mark is one of naga's own words.
+    /// Makes sure that no mark is one of naga's own words.
     #[test]
     fn no_word_of_wgsl_looks_like_a_mark() {
         let own = naga::keywords::wgsl::RESERVED.iter();
@@ -385,7 +385,7 @@ mod tests {
         assert!(own.into_iter().all(|word| !word.starts_with(START)));
     }
 
-    /// What makes it certain that naga leaves marks as they are.
+    /// Makes sure that naga leaves marks unchanged.
     #[test]
     fn naga_leaves_marks_alone() {
         let mut namer = naga::proc::Namer::default();

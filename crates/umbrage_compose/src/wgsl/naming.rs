@@ -1,4 +1,4 @@
-//! Names for a marked module's marks.
+//! Names for the marks of a module.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -9,7 +9,7 @@ use super::{
     text::{Piece, Text},
 };
 
-/// What a function, or what is outside of all, speaks of.
+/// Marks and words used in a function, or outside of all functions.
 #[derive(Default)]
 struct Uses<'a> {
     marks: BTreeSet<usize>,
@@ -18,12 +18,12 @@ struct Uses<'a> {
 
 /// A name for each mark in `text`.
 ///
-/// Names of the whole module are all different, and no word that WGSL means itself by anywhere in the text. Names
-/// within a function differ from each other and from all that the function speaks of; what it does not speak
-/// of, they may hide. In both, everything keeps its name that can.
+/// Names at module scope all differ, from each other and from WGSL's own words that the text uses. Names within a
+/// function differ from each other and from all names and words that the function uses; they may shadow names that
+/// it does not use. Everything keeps its name where that is possible.
 ///
 /// # Errors
-/// A host's name that cannot be kept.
+/// A name that a host knows and that cannot be kept.
 pub(super) fn choose(marked: &Marked, text: &Text<'_>) -> Result<Vec<String>, String> {
     let things = &marked.things;
     let mut uses: BTreeMap<Option<usize>, Uses<'_>> = BTreeMap::new();
@@ -86,8 +86,8 @@ impl<'a> Uses<'a> {
     }
 }
 
-/// Gives `marks` names that are not `taken`: to each its own where it is the first to have it, then to each of the
-/// rest its own with a number.
+/// Gives `marks` names that are not `taken`. The first mark with a name keeps it; each of the others gets its name
+/// with a number added.
 fn give(
     marked: &Marked,
     marks: &[usize],

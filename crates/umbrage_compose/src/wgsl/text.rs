@@ -1,4 +1,4 @@
-//! What naga wrote, taken apart into marks, words and the rest.
+//! Naga's text, split into marks, words and the rest.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,14 @@ use super::marks::{Length, Marked, Scope};
 /// The text of a marked module.
 pub(super) struct Text<'a> {
     pub(super) lines: Vec<Line<'a>>,
-    /// The expressions that tellers tell.
+    /// Pieces of each teller's expression, by the teller's mark.
     pub(super) told: HashMap<usize, Vec<Piece<'a>>>,
 }
 
 pub(super) struct Line<'a> {
     pub(super) raw: &'a str,
     pub(super) pieces: Vec<Piece<'a>>,
-    /// The mark of the function that the line is of, its header included.
+    /// Mark of the function that the line belongs to (as header or body).
     pub(super) function: Option<usize>,
     pub(super) in_struct: bool,
 }
@@ -24,14 +24,14 @@ pub(super) enum Piece<'a> {
     Mark(usize),
     /// A number that stands for an array's length.
     Length(Length),
-    /// One of WGSL's own words, which means what it means unless something has its name.
+    /// One of WGSL's own words, which keeps its meaning only where nothing else has the same name.
     Word(&'a str),
-    /// Anything else: spaces, signs, numbers, and words that mean what they mean wherever they stand.
+    /// Anything else: spaces, operators, numbers, and words whose meaning no declaration can change.
     Other(&'a str),
 }
 
 impl Line<'_> {
-    /// The first mark: of a declaration, what is declared.
+    /// First mark of the line; in a declaration, the mark of the thing declared.
     pub(super) fn subject(&self) -> Option<usize> {
         self.pieces.iter().find_map(|piece| match piece {
             Piece::Mark(mark) => Some(*mark),
@@ -41,7 +41,7 @@ impl Line<'_> {
 }
 
 impl<'a> Text<'a> {
-    /// Takes `written` apart. What naga gave a name of its own within a function (`_e12`) gets a mark, too.
+    /// Splits `written`. A name that naga made up within a function (`_e12`) gets a mark, too.
     pub(super) fn read(written: &'a str, marked: &mut Marked) -> Self {
         let mut text = Self {
             lines: Vec::new(),
@@ -53,7 +53,7 @@ impl<'a> Text<'a> {
             made: HashMap::new(),
         };
         let mut in_struct = false;
-        // After what is left out, a line between is as well.
+        // A teller is left out, and the empty line after it as well.
         let mut left_out = false;
         for raw in written.lines() {
             if let Some(rest) = raw.strip_prefix("fn ") {
@@ -91,13 +91,13 @@ impl<'a> Text<'a> {
 struct Reader<'m> {
     marked: &'m mut Marked,
     function: Option<usize>,
-    /// The marks of names of naga's making in the function.
+    /// Marks of the names that naga made up in the function.
     made: HashMap<String, usize>,
 }
 
 impl Reader<'_> {
     fn pieces<'a>(&mut self, line: &'a str) -> Vec<Piece<'a>> {
-        // The names of extensions are no one else's.
+        // Names of extensions have a name space of their own.
         if line.starts_with("enable ") {
             return vec![Piece::Other(line)];
         }
@@ -119,7 +119,7 @@ impl Reader<'_> {
             let word = &rest[..length];
             let (before, after) = (&line[..at], &rest[length..]);
             if before.ends_with('@') {
-                // An attribute's name and what stands in its parentheses: numbers, and names that are no one else's.
+                // Name and arguments of an attribute: numbers, and names that no declaration can change.
                 let end = match after.starts_with('(') {
                     true => after.find(')').map_or(rest.len(), |end| length + end),
                     false => length,
@@ -139,7 +139,7 @@ impl Reader<'_> {
             return Piece::Mark(mark);
         }
         if word.starts_with(|c: char| c.is_ascii_digit()) {
-            // A number without a suffix that ends a template's list is an array's length.
+            // A number without a suffix at the end of a template list is an array length.
             let length = word.parse().ok().filter(|_| ends_template);
             let length = length.and_then(|number: u32| self.marked.lengths.get(&number));
             return length.map_or(Piece::Other(word), |length| Piece::Length(*length));
