@@ -63,7 +63,7 @@ impl Dawn {
 
     /// Why Dawn refuses the shader `code` or a pipeline of its entry points; none where it takes all.
     pub fn refusal(&mut self, code: &str) -> Option<String> {
-        // What naga cannot even parse has no pipelines that we could tell.
+        // A module that naga cannot parse has no pipelines that we could list.
         let module = naga::front::wgsl::parse_str(code).unwrap_or_default();
         let request = json!({
             "code": code,
@@ -150,7 +150,7 @@ fn pipelines(module: &Module) -> Vec<Vec<Value>> {
     all
 }
 
-/// What an entry point takes or gives, with where each goes.
+/// Inputs or outputs of an entry point, each with its binding.
 fn bound(
     module: &Module,
     ty: Handle<Type>,

@@ -42,7 +42,7 @@ impl Random {
     }
 }
 
-/// What a function takes.
+/// Kind of a function's parameter.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Value,
@@ -57,10 +57,10 @@ struct Function {
     gives: bool,
 }
 
-/// What is in scope.
+/// Names in scope, and the statements that may stand there.
 #[derive(Clone, Default)]
 struct Scope {
-    /// What an expression may read.
+    /// Expressions that may be read.
     values: Vec<String>,
     /// Variables that are numbers.
     variables: Vec<String>,
@@ -461,7 +461,7 @@ impl Maker {
         let mut arguments = Vec::new();
         for kind in &called.parameters {
             let from = match kind {
-                // What a pointer may lead to is not read beside it.
+                // A variable that a pointer may lead to is not read in the same call.
                 Kind::Value if aliases => {
                     arguments.push("same.x".to_owned());
                     continue;

@@ -16,7 +16,7 @@ pub(crate) fn mesa() {
     }
     let mut words = env::args_os();
     if let (Ok(program), Some(name)) = (env::current_exe(), words.next()) {
-        // Where it fails, all that is lost is silence.
+        // A failure does no harm: the library's complaint is then printed.
         let _ = Command::new(program)
             .arg0(name)
             .args(words)

@@ -151,8 +151,8 @@ fn what_is_drawn_is_near_to_the_truth() {
     }
 }
 
-/// What a camera of parallel rays sees does not depend on where along its axis it stands, be it behind all, a thousand
-/// kilometres away, or in the midst.
+/// The picture of an orthographic camera does not depend on where along its axis it stands: behind all objects, a
+/// thousand kilometres away, or among them.
 #[test]
 fn the_place_along_the_axis_does_not_matter() {
     let mut renderer = renderer();

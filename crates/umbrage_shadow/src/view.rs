@@ -22,7 +22,7 @@ pub struct View {
 /// How a camera projects. Clip space is WebGPU's, depth reversed: 1 at `near`, 0 at `far`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// What it sees across.
+    /// Field of view.
     pub field: Field,
     /// Width over height.
     pub aspect: f64,
@@ -32,7 +32,7 @@ pub struct Projection {
     pub far: f64,
 }
 
-/// What a camera sees across: whether its rays spread, and how far.
+/// Field of view of a camera: whether its rays spread, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Field {
     /// Rays from one point.
@@ -131,7 +131,7 @@ impl View {
         }
     }
 
-    /// What it sees between two view depths (metres, the first below the second, and above 0 where rays spread), in
+    /// The frustum between two view depths (metres, the first below the second, and above 0 where rays spread), in
     /// camera-relative space.
     pub fn part_relative(&self, near: f64, far: f64) -> Frustum {
         let projection = Projection {

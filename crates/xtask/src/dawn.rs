@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::run::{behind_spinner, captured, root};
 
-/// What it needs.
+/// The oldest version of Node that Dawn's package runs on.
 const NODE: u32 = 20;
 const SOURCE: &str = "tests/dawn";
 /// Where the tests look for it.
@@ -33,7 +33,7 @@ pub(crate) fn set_up_dawn() -> Result<bool> {
     Ok(false)
 }
 
-/// What of Node is missing.
+/// The missing part of Node, in words; none where nothing is missing.
 fn lacking(node: Option<String>, npm: Option<String>) -> Option<String> {
     let Some(node) = node else {
         return Some(format!("there is no Node {NODE} or later here"));
@@ -80,7 +80,7 @@ fn install(source: &Path, home: &Path) -> Result<()> {
         "--prefix",
     ]);
     behind_spinner("installing Dawn", npm.arg(home))?;
-    // Last, so that what was broken off is begun again.
+    // This comes last, so that an interrupted installation is begun again.
     fs::write(&stamp, lock)?;
     Ok(())
 }

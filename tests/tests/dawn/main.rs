@@ -1,8 +1,8 @@
-//! What WebGPU takes, and what it refuses: our verdicts held against Dawn's.
+//! Verdicts on what WebGPU takes and refuses: ours held against Dawn's.
 //!
 //! `dawn/shaders` has small shaders, one a file, whose first line says what Dawn says of it (`// Dawn: takes it`,
 //! or `// Dawn: refuses it: WHY`), so that ours are held to it where no Dawn is. A second line `// Umbrage: WORDS`
-//! asks that we refuse it in these words: of what Dawn takes, that is what naga cannot do. `UMBRAGE_BLESS=1` writes
+//! asks that we refuse it in these words: where Dawn takes the shader, naga cannot do it. `UMBRAGE_BLESS=1` writes
 //! the first lines anew, by Dawn.
 #![allow(
     clippy::panic,
@@ -117,7 +117,7 @@ fn our_verdicts_are_the_stored_ones() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What the stored shaders say of Dawn is so.
+/// The verdicts stored with the shaders are Dawn's.
 #[test]
 fn the_stored_verdicts_are_dawns() {
     let bless = std::env::var_os("UMBRAGE_BLESS").is_some();
@@ -201,7 +201,7 @@ fn rows(page: &str) -> Vec<Vec<&str>> {
         .collect()
 }
 
-/// What the composer's page says of WGSL and WESL is so: each row's shader is taken, or refused, as the row has it.
+/// The composer's page on WGSL and WESL is true: each row's shader is taken, or refused, as the row says.
 #[test]
 fn the_page_of_what_is_supported_is_so() {
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -308,7 +308,7 @@ fn random_shaders_are_judged_alike() {
             wrong.push(format!("{seed}: Dawn says {dawns:?}, we {ours:?}\n{text}"));
         }
     }
-    // A generator that makes one kind alone would tell nothing.
+    // A generator that made only valid, or only invalid, shaders would test nothing.
     assert!(
         refused > count as u32 / 5 && refused < count as u32 * 4 / 5,
         "{refused}"

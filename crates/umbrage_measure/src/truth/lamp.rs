@@ -15,7 +15,7 @@ pub(crate) enum Lamp {
     },
     Bulb {
         position: DVec3,
-        /// By how much the position's coordinates may be off: in the world they have no finer steps.
+        /// Greatest error of the position's coordinates: in the world they have no finer steps.
         error: f64,
         range: f64,
         /// The axis, and the cosine of the angle where the light ends.

@@ -10,7 +10,7 @@ use super::lamp::Aim;
 pub(crate) struct Place {
     /// Metres, world axes, relative to the camera.
     pub(crate) at: DVec3,
-    /// By how much its coordinates may be off; metres.
+    /// Greatest error of its coordinates; metres.
     pub(crate) error: f64,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Meeting {
 }
 
 impl Place {
-    /// What a few roundings of coordinates up to `size` may make of them; metres.
+    /// Error that a few roundings may make in coordinates up to `size`; metres.
     pub(crate) fn rounding(size: f64) -> f64 {
         4.0 * f64::EPSILON * size
     }

@@ -40,7 +40,7 @@ pub struct Scene {
     pub background: Vec3,
     /// What the air is like; none for air that nothing is seen of.
     pub medium: Option<Medium>,
-    /// What the models' files say that is not shown, each once.
+    /// Features of the models' files that are not shown, each once.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -148,7 +148,7 @@ impl Shadow {
     pub const NONE: &str = "none";
 }
 
-/// What is made up for a model that comes without a scene.
+/// The ground and sun made up for a model that comes without a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Staging {
     /// A ground under it.
@@ -173,7 +173,7 @@ pub struct Camera {
     pub position: DVec3,
     /// From its axes to the world's; it looks along −z of its own.
     pub rotation: DQuat,
-    /// What it sees across.
+    /// Field of view.
     pub field: Field,
     /// The nearest that is seen, from the position along the way that it looks; metres. Above 0, but for an orthographic
     /// camera, which sees behind its position as well.
@@ -183,8 +183,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The camera as a view of a picture of the given size in pixels (both above 0). Whoever reads what a renderer planned
-    /// for a scene wants [`Scene::view`].
+    /// The camera as a view of a picture of the given size in pixels (both above 0). To read what a renderer planned for
+    /// a scene, use [`Scene::view`].
     pub fn view(&self, width: u32, height: u32) -> View {
         let view = View {
             position: self.position,
@@ -202,9 +202,9 @@ impl Camera {
 }
 
 impl Scene {
-    /// What a picture of the given size in pixels (both above 0) is rendered from: the camera's view. Positions on the
-    /// device and in plans are relative to its position, which is the camera's own unless that is orthographic: then it
-    /// [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
+    /// The camera's view, from which a picture of the given size in pixels (both above 0) is rendered. Positions on the
+    /// device and in plans are relative to the view's position, which is the camera's own unless that is orthographic:
+    /// then it [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
     pub fn view(&self, width: u32, height: u32) -> View {
         let view = self.camera.view(width, height);
         if !view.projection.is_orthographic() || self.medium.is_some() {

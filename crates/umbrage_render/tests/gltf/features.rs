@@ -9,7 +9,7 @@ use crate::maker::{F32, I8, Maker, U8, corners, left_out, triangle};
 
 const TABLE: &str = include_str!("../../src/scene/model/features.md");
 
-/// What the table says of a feature.
+/// Outcome that the table gives for a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     Done,

@@ -1,4 +1,4 @@
-//! What is valid is read, and what nothing reads is not looked at.
+//! Valid elements are read, and elements that nothing reads are not looked at.
 
 use std::fs;
 
@@ -96,7 +96,7 @@ fn pictures_that_nothing_draws_may_be_missing() {
         ("textures without a source", 1),
     ];
     assert_eq!(left_out(&scene), expected);
-    // What is drawn must be there.
+    // A picture that is drawn must be there.
     maker.json["textures"][color] = json!({"source": gone});
     assert!(
         maker.refusal().contains("normals.png"),
@@ -564,7 +564,7 @@ fn files_that_need_what_is_not_known_are_refused_by_its_name() {
         maker.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
         let said = maker.refusal();
         assert!(said.contains(name) && said.contains(remedy), "{said}");
-        // What is only used is told.
+        // An extension that is used but not required is told.
         maker.json["extensionsRequired"] = json!([]);
         maker.json["extensionsUsed"] = json!([name]);
         assert_eq!(left_out(&maker.scene()), [(name, 1)]);

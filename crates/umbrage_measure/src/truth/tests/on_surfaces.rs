@@ -49,7 +49,7 @@ fn turned(place: Place, name: &str, mesh: Mesh, turn: DQuat, at: DVec3) -> Objec
     object
 }
 
-/// What each pixel sees, in the scene's own coordinates, with its object and shadow term, of `source`.
+/// The object, the point (in the scene's own coordinates) and the shadow term, of `source`, that each pixel sees.
 fn terms_of(place: Place, scene: &Scene, source: Source) -> Vec<(usize, DVec3, Option<f32>)> {
     let tracer = Tracer::new(scene).expect("a sound scene");
     let sight = tracer.look(SIZE.0, SIZE.1, &|| ()).expect("a size");
@@ -111,7 +111,7 @@ fn a_lamp_in_a_ceiling_shines_on_the_floor() {
                 );
                 assert!(seen.len() > 2000);
                 for (object, point, term) in seen {
-                    // What the lamp lies on is neither lit nor in shadow.
+                    // The ceiling, which the lamp lies on, is neither lit nor in shadow.
                     let expected = (object == 0).then_some(1.0);
                     assert_eq!(term, expected, "{point} of {object}, {at}");
                 }
@@ -354,7 +354,7 @@ fn the_air_about_a_lamp_in_a_sheet_is_lit() {
     }
 }
 
-/// What a lamp does not lie on shades as ever, be it a micrometre away.
+/// Surfaces that a lamp does not lie on shade as usual, even a micrometre away.
 #[test]
 fn what_is_next_to_a_lamp_shades() {
     let scene = |gap: f64| {

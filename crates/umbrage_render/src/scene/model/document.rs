@@ -269,7 +269,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((json, binary))
 }
 
-/// What a data URI holds, of which `rest` is what follows the scheme.
+/// Bytes that a data URI holds; `rest` is the URI after its scheme.
 fn own_data(rest: &str) -> Result<Vec<u8>, String> {
     let forgiving = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)

@@ -19,7 +19,7 @@ const DONE: [&str; 5] = [
     "KHR_texture_transform",
 ];
 
-/// What was left out so far: by its name what is shown in its place, and where the file says it.
+/// Features left out so far, by name: the replacement that is shown, and where the file has the feature.
 #[derive(Default)]
 pub(super) struct Notes(RefCell<BTreeMap<String, (String, BTreeSet<String>)>>);
 
@@ -202,7 +202,7 @@ fn find_extensions<'a>(value: &'a Value, place: &str, found: &mut BTreeMap<&'a s
     }
 }
 
-/// What is shown where an extension is not.
+/// The replacement that is shown for an extension.
 fn without(name: &str) -> &'static str {
     match name {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {

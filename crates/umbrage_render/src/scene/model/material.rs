@@ -120,7 +120,7 @@ impl Uvs {
     }
 }
 
-/// What of materials was read.
+/// Materials read so far.
 #[derive(Default)]
 pub(super) struct Looks {
     /// By their numbers; none for that of primitives which name none.

@@ -46,7 +46,7 @@ struct SkinFile {
     inverse_bind_matrices: Option<Whole>,
 }
 
-/// What decides the shape of a mesh: its number, how far each morph target is taken, and the skin that moves it.
+/// Everything that decides the shape of a mesh: its number, its morph targets' weights, and the skin that moves it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Pose {
     mesh: Whole,
@@ -64,7 +64,7 @@ pub(super) struct Shape {
     pub(super) placed: Option<DAffine3>,
 }
 
-/// What of meshes was read.
+/// Meshes read so far.
 #[derive(Default)]
 pub(super) struct Shapes {
     looks: Looks,
@@ -113,7 +113,7 @@ impl Reader<'_> {
                 let problem = format!("its mode {mode} is none of glTF's");
                 return Err(self.document.invalid(&place, problem));
             }
-            // What is not drawn is told with all else that the file says.
+            // Primitives that are not drawn are noted with the file's other left-out features.
             if mode < TRIANGLES || !primitive.attributes.contains_key("POSITION") {
                 continue;
             }
@@ -265,7 +265,7 @@ impl Vertices<'_, '_> {
         }
     }
 
-    /// What a texture is looked up by; zeros where none is.
+    /// Texture coordinates of `count` vertices; zeros where no texture is looked up.
     fn uvs(&self, uvs: Uvs, count: usize) -> Result<Vec<Vec2>, SceneError> {
         let none = || vec![Vec2::ZERO; count];
         let Some(set) = uvs.set.or(self.reader.textured.then_some(0)) else {

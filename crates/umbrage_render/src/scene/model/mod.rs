@@ -27,13 +27,13 @@ use self::{
 };
 use super::{LeftOut, Material, Mesh, SceneError, error::read};
 
-/// What a model's file holds.
+/// Contents of a model's file.
 pub(super) struct Model {
     /// One at the least.
     pub(super) parts: Vec<Part>,
     pub(super) lamps: Vec<Lamp>,
     pub(super) eyes: Vec<Eye>,
-    /// What it says beside.
+    /// Features of the file that the model leaves out.
     pub(super) left_out: Vec<LeftOut>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn load(path: &Path, textured: bool) -> Result<Model, SceneError> {
     let (mut parts, mut lamps, mut eyes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Shapes::default();
     for placed in &nodes {
-        // Who looks need not be seen.
+        // A camera counts even where its node is hidden.
         eyes.extend(reader.eye(placed)?);
         if placed.is_visible {
             lamps.extend(reader.light(placed)?);
