@@ -37,7 +37,7 @@ impl Dawn {
             Ok(dawn) => Some(dawn),
             Err(reason) => {
                 assert!(wish != "on", "Dawn gives no verdicts: {reason}");
-                // Not by a macro, whose words are shown for tests that fail alone.
+                // Written directly: the test harness shows a macro's output only for tests that fail.
                 let line = format!("Dawn's verdicts are passed over: {reason}\n");
                 let _ = std::io::stderr().write_all(line.as_bytes());
                 None
@@ -217,7 +217,7 @@ fn targets(module: &Module, fragment: &EntryPoint) -> Vec<Option<&'static str>> 
         let Some(Binding::Location { location, .. }) = binding else {
             continue;
         };
-        // One beyond the last that may be is refused as any other.
+        // A location beyond the last allowed one is refused as any other.
         let index = location.min(8) as usize;
         if targets.len() <= index {
             targets.resize(index + 1, None);

@@ -38,7 +38,7 @@ fn linked(seed: u64) -> Result<String, Error> {
     linked?.wgsl()
 }
 
-/// Random shaders are taken or refused by us as by Dawn.
+/// We take or refuse random shaders as Dawn does.
 #[test]
 fn random_shaders_are_taken_as_dawn_takes_them() {
     let verdicts = verdicts();

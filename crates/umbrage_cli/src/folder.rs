@@ -48,9 +48,9 @@ impl Kind {
     }
 
     /// Lets `fill` write files into a new folder beside `out`, and then puts it in the place of `out`: a
-    /// half-written folder is never seen, and none is left behind by a fault or by Ctrl-C. Where the process is
-    /// killed, what stood there stands, or the new one does; what else it left is removed by the next that writes
-    /// there. `fill` may ask [`interrupt::check`] between its files.
+    /// half-written folder is never seen, and none is left behind by a fault or by Ctrl-C. If the process is killed,
+    /// the old folder stands there, or the new one; the next process that writes there removes everything else that
+    /// was left. `fill` may call [`interrupt::check`] between its files.
     pub(crate) fn replace(&self, out: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         // Dropped last, after the folders below are removed.
         let _writing = interrupt::writing();
@@ -114,7 +114,7 @@ impl Kind {
         Err(error.into())
     }
 
-    /// Removes what killed processes left in `parent`, and puts an earlier `out` back where one of them could not.
+    /// Removes the folders that killed processes left in `parent`, and puts back an earlier `out` that one moved aside.
     fn clear_up(&self, out: &Path, parent: &Path) -> Result<()> {
         sweep(parent, self.name, self.own);
         let aside = self.aside(out)?;
@@ -127,7 +127,7 @@ impl Kind {
         Ok(())
     }
 
-    /// Where an earlier `out` steps aside.
+    /// The path to which an earlier `out` is moved aside.
     fn aside(&self, out: &Path) -> Result<PathBuf> {
         let name = out.file_name().context("it has no name")?;
         let mut aside = OsString::from(format!(".{}-before-", self.name));
@@ -215,7 +215,7 @@ mod tests {
         }
     }
 
-    /// An old prebuild and a new one, and steps of which those that `fails` names do nothing.
+    /// Replaces an old prebuild with a new one; the steps that `fails` names do nothing.
     fn replaced(exchanges: bool, fails: fn(&Path, &Path) -> bool) -> (TempDir, Result<()>) {
         let folder = TempDir::new().expect("a folder");
         let out = folder.path().join("out");

@@ -114,7 +114,7 @@ mod tests {
         assert!(!home.path().join("package.json").exists());
     }
 
-    /// Where a package is to be had from is the user's own matter.
+    /// The lock file names no registry: where packages come from is up to the user.
     #[test]
     fn the_package_asks_for_this_node_and_names_no_host() {
         let lock = root().join(SOURCE).join("package-lock.json");

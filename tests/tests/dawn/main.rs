@@ -96,7 +96,7 @@ fn our_refusal_of(files: &[(&str, &str)]) -> Option<String> {
     composed.err().map(|error| error.to_string())
 }
 
-/// Every stored shader is taken or refused by us as by Dawn, by its own account.
+/// We take or refuse every stored shader as Dawn does, by the verdict stored with it.
 #[test]
 fn our_verdicts_are_the_stored_ones() {
     let wrong: Vec<_> = shaders()
@@ -132,7 +132,7 @@ fn the_stored_verdicts_are_dawns() {
                 let place = why
                     .split_once(' ')
                     .filter(|(place, _)| place.chars().all(|c| c.is_ascii_digit() || c == ':'));
-                // The place tells nothing that the text does not.
+                // The place is left out: it tells nothing that the text does not.
                 let why = place.map_or(why, |(_, why)| why);
                 format!("// Dawn: refuses it: {why}")
             }
@@ -224,7 +224,7 @@ fn the_page_of_what_is_supported_is_so() {
         let (ours, dawns) = if path.starts_with("wesl/") {
             let text = fs::read_to_string(home.join(path)).expect(path);
             let ours = our_refusal_of(&[("main.wesl", &text), ("shapes.wesl", &shapes)]);
-            // Of WESL, Dawn knows nothing.
+            // Dawn does not know WESL.
             (ours.clone(), ours)
         } else {
             let path = home.join("dawn/shaders").join(path);
@@ -252,7 +252,7 @@ fn the_page_of_what_is_supported_is_so() {
     assert!(shown > 40, "{shown}");
 }
 
-/// The page has every limit with its value, and for each there is a stored shader that is beyond it.
+/// The page has every limit with its value, and a stored shader exceeds each of them.
 #[test]
 fn every_limit_is_on_the_page_and_is_held() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/umbrage_compose/support.md");
@@ -284,7 +284,7 @@ fn random_shaders_are_judged_alike() {
     let Some(mut dawn) = Dawn::start() else {
         return;
     };
-    // Others than these, and more, by hand.
+    // Runs by hand may choose other shaders, or more of them.
     let number = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
     let first: u64 = number("UMBRAGE_FIRST_SEED").unwrap_or(0);
     let count = number("UMBRAGE_SEEDS").unwrap_or(RANDOM);

@@ -317,7 +317,7 @@ struct Around {
     result: bool,
     may_break: bool,
     may_continue: bool,
-    /// Which may not leave its loop.
+    /// Whether it is in a continuing block, which may not leave its loop.
     continuing: bool,
 }
 

@@ -127,10 +127,9 @@ impl Ray {
         })
     }
 
-    /// Whether the ray, which meets the plane of these corners, goes on to the plane's other side: whether its end lies
-    /// there, farther from the plane than what is known of both, the end's error and how far off the corners may be
-    /// along each axis (`coarse`, metres). All is computed as seen from the end, and does not depend on where the
-    /// ray comes from.
+    /// Whether the ray, which meets the plane of these corners, ends on the plane's other side: farther from the plane
+    /// than the error of the end and the corners' error along each axis (`coarse`, metres). All is computed relative to
+    /// the end, and does not depend on where the ray comes from.
     pub(super) fn crosses(&self, [a, b, c]: [DVec3; 3], coarse: impl Fn() -> DVec3) -> bool {
         let Some(end) = self.end else {
             return true;

@@ -68,7 +68,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down; zeros where the file has none.
     pub uvs: Vec<Vec2>,
-    /// Linear RGB and opacity, from 0 to 1, that multiply the material's; none where all would be white.
+    /// Linear RGB and opacity of vertices, from 0 to 1, that multiply the material's; none where all would be white.
     pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
@@ -175,16 +175,16 @@ pub struct Camera {
     pub rotation: DQuat,
     /// Field of view.
     pub field: Field,
-    /// The nearest that is seen, from the position along the way that it looks; metres. Above 0, but for an orthographic
-    /// camera, which sees behind its position as well.
+    /// The nearest view depth that is seen, from the position along the view's direction; metres. Above 0, except for
+    /// an orthographic camera, which sees behind its position as well.
     pub near: f64,
     /// The farthest that is seen; metres.
     pub far: f64,
 }
 
 impl Camera {
-    /// The camera as a view of a picture of the given size in pixels (both above 0). To read what a renderer planned for
-    /// a scene, use [`Scene::view`].
+    /// The camera as a view of a picture of the given size in pixels (both above 0). For the view that a renderer plans
+    /// with, see [`Scene::view`].
     pub fn view(&self, width: u32, height: u32) -> View {
         let view = View {
             position: self.position,
@@ -235,8 +235,8 @@ impl Scene {
         }
     }
 
-    /// Takes away all lights but one, by its place; nothing else changes, and it casts shadows if it did. None where there
-    /// is no such light.
+    /// Removes all lights but the one at this place; nothing else changes, and it casts shadows if it did. None where
+    /// there is no such light.
     pub fn lit_by(mut self, light: usize) -> Option<Self> {
         let kept = self.lights.get(light)?;
         let casts = self.casts_shadow(kept);
@@ -319,7 +319,7 @@ impl Mesh {
 }
 
 impl Mesh {
-    /// The mesh without vertices that no triangle has: several meshes of a file may share one list.
+    /// The mesh without the vertices that no triangle uses: several meshes of a file may share one list.
     fn into_used(self) -> Self {
         let mut places = vec![None; self.positions.len()];
         let mut used = Self::default();

@@ -13,7 +13,8 @@ use super::{Object, SceneLight, Shadow, model::Lamp};
 pub(super) const BRIGHT: f32 = 3.0;
 /// Share of a model's surface that is its brightest part.
 const BRIGHTEST: f64 = 0.01;
-/// How often as far as the farthest thing a light without an end reaches: there its window takes 1/256 of it.
+/// Range of a light without an end, as a multiple of the farthest corner's distance: there the window takes 1/256
+/// of its light.
 const ENDLESS: f64 = 4.0;
 
 /// The lights of a scene of `objects` that `lamps` are, each with the shadow of the sun that is made up for other

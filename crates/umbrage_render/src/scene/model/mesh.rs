@@ -131,7 +131,7 @@ impl Reader<'_> {
         Ok((file.name, shapes))
     }
 
-    /// Where each joint takes what it holds, from the mesh to the scene.
+    /// Transform of each joint's vertices, from the mesh to the scene.
     fn skin(&self, index: Whole, by: &str) -> Result<Vec<DAffine3>, SceneError> {
         let skin: SkinFile = self.document.element("skins", index, by)?;
         let place = format!("skins[{}]", index.0);
@@ -317,8 +317,8 @@ impl Vertices<'_, '_> {
         }
     }
 
-    /// Bends the mesh to where `joints` hold its vertices, and tells where it stands then: from the mesh to the
-    /// scene.
+    /// Bends the mesh to where `joints` hold its vertices, and returns the transform that it then has: from the mesh
+    /// to the scene.
     fn bend(&self, mesh: &mut Mesh, joints: &[DAffine3]) -> Result<DAffine3, SceneError> {
         let holds = self.holds(mesh.positions.len(), joints)?;
         let place =
@@ -348,7 +348,7 @@ impl Vertices<'_, '_> {
         Ok(DAffine3::from_translation(middle))
     }
 
-    /// Where each vertex is taken: the mean of its joints by their weights, or its first joint without any.
+    /// Transform of each vertex: the mean of its joints' by their weights, or its first joint's without any weight.
     fn holds(&self, count: usize, joints: &[DAffine3]) -> Result<Vec<DAffine3>, SceneError> {
         let zero = DAffine3::from_mat3_translation(DMat3::ZERO, DVec3::ZERO);
         let mut holds = vec![(zero, 0.0_f64, None); count];

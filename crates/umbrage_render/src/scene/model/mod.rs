@@ -1,9 +1,9 @@
-//! Reads glTF 2.0 models, text or binary, believing nothing that they say of themselves.
+//! Reads glTF 2.0 models, text or binary; everything that they declare is checked before it is used.
 //!
-//! A file's JSON is kept as it stands, and an element of it is decoded when it is read: what nothing reads is
-//! neither decoded nor checked. What moves or cuts a shadow is read; what the file says beyond that is told by its
-//! name in the scene's [`left_out`](super::Scene::left_out); a file that must not be read without something else
-//! (`extensionsRequired`) is refused by the name of that.
+//! A file's JSON is kept as it is, and each element is decoded when it is read: elements that nothing reads are
+//! neither decoded nor checked. Features that move or cut a shadow are read; the file's other features are told by
+//! name in the scene's [`left_out`](super::Scene::left_out); a file that requires another extension
+//! (`extensionsRequired`) is refused, and the message names it.
 #![doc = include_str!("features.md")]
 
 mod accessor;
