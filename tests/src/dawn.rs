@@ -22,8 +22,8 @@ pub struct Dawn {
 }
 
 impl Dawn {
-    /// Dawn, where it is installed; none where it is not or `UMBRAGE_DAWN` is `off`, which is said on
-    /// standard error. Where `UMBRAGE_DAWN` is `on`, it is a panic that it does not start.
+    /// Dawn, where it is installed; none where it is not or `UMBRAGE_DAWN` is `off`, which is told on
+    /// standard error. Panics if `UMBRAGE_DAWN` is `on` and Dawn does not start.
     pub fn start() -> Option<Self> {
         let wish = std::env::var("UMBRAGE_DAWN").unwrap_or_default();
         let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/umbrage/dawn");

@@ -12,8 +12,8 @@ const SOURCE: &str = "tests/dawn";
 /// Where the tests look for it.
 const HOME: &str = "target/umbrage/dawn";
 
-/// Installs Dawn once, and says whether the tests have it; where they do not, it is said why. `UMBRAGE_DAWN=off`
-/// does without.
+/// Installs Dawn once, and returns whether the tests have it; if not, prints why. `UMBRAGE_DAWN=off` leaves Dawn
+/// out.
 pub(crate) fn set_up_dawn() -> Result<bool> {
     let reason = if std::env::var("UMBRAGE_DAWN").is_ok_and(|wish| wish == "off") {
         "UMBRAGE_DAWN is `off`".to_owned()

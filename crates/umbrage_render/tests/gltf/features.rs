@@ -1,4 +1,4 @@
-//! The table of features says what becomes of each.
+//! The table of features agrees with the reader on each of them.
 
 use std::collections::BTreeMap;
 

@@ -219,7 +219,7 @@ fn pictures_of_all_kinds_keep_their_opacity() {
             .expect("encoded");
         let mut maker = textured(&json!({}));
         let view = maker.view(bytes.get_ref());
-        // A media type that is not the picture's is no hindrance.
+        // A wrong media type does not keep a picture from being read.
         maker.json["images"][0] = json!({"bufferView": view, "mimeType": "image/jpeg"});
         let scene = maker.scene();
         let texture = scene.objects[0]

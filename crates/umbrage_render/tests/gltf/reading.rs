@@ -105,7 +105,7 @@ fn pictures_that_nothing_draws_may_be_missing() {
     );
 }
 
-/// An accessor that says of elements 1 and 2 what `values` are.
+/// A sparse accessor that gives elements 1 and 2 the `values`.
 fn sparse(
     maker: &mut Maker,
     kind: &str,
@@ -289,7 +289,7 @@ fn normals_and_texture_coordinates_may_be_small_whole_numbers() {
     );
 }
 
-/// The reader of another make reads the same of random data.
+/// An independent reader reads the same from random data.
 #[test]
 fn accessors_read_as_the_gltf_crate_reads_them() {
     let mut state = 7_u32;
