@@ -125,7 +125,7 @@ impl Oracle<'_> {
         let view = &self.view;
         let at = |value: u32| 2.0 * (f64::from(value) + 0.5) / f64::from(size) - 1.0;
         let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(at(x), -at(y));
-        // What one metre of depth is.
+        // The ray's origin, and its vector for one metre of depth.
         let (origin, ray) = match view.projection.is_orthographic() {
             true => (view.rotation * aside.extend(0.0), DVec3::NEG_Z),
             false => (DVec3::ZERO, aside.extend(-1.0)),

@@ -22,8 +22,8 @@ pub struct Dawn {
 }
 
 impl Dawn {
-    /// Dawn, where it is installed; none where it is not or `UMBRAGE_DAWN` is `off`, which is said on
-    /// standard error. Where `UMBRAGE_DAWN` is `on`, it is a panic that it does not start.
+    /// Dawn, where it is installed; none where it is not or `UMBRAGE_DAWN` is `off`, which is told on
+    /// standard error. Panics if `UMBRAGE_DAWN` is `on` and Dawn does not start.
     pub fn start() -> Option<Self> {
         let wish = std::env::var("UMBRAGE_DAWN").unwrap_or_default();
         let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/umbrage/dawn");
@@ -37,7 +37,7 @@ impl Dawn {
             Ok(dawn) => Some(dawn),
             Err(reason) => {
                 assert!(wish != "on", "Dawn gives no verdicts: {reason}");
-                // Not by a macro, whose words are shown for tests that fail alone.
+                // Written directly: the test harness shows a macro's output only for tests that fail.
                 let line = format!("Dawn's verdicts are passed over: {reason}\n");
                 let _ = std::io::stderr().write_all(line.as_bytes());
                 None
@@ -63,7 +63,7 @@ impl Dawn {
 
     /// Why Dawn refuses the shader `code` or a pipeline of its entry points; none where it takes all.
     pub fn refusal(&mut self, code: &str) -> Option<String> {
-        // What naga cannot even parse has no pipelines that we could tell.
+        // A module that naga cannot parse has no pipelines that we could list.
         let module = naga::front::wgsl::parse_str(code).unwrap_or_default();
         let request = json!({
             "code": code,
@@ -150,7 +150,7 @@ fn pipelines(module: &Module) -> Vec<Vec<Value>> {
     all
 }
 
-/// What an entry point takes or gives, with where each goes.
+/// Inputs or outputs of an entry point, each with its binding.
 fn bound(
     module: &Module,
     ty: Handle<Type>,
@@ -217,7 +217,7 @@ fn targets(module: &Module, fragment: &EntryPoint) -> Vec<Option<&'static str>> 
         let Some(Binding::Location { location, .. }) = binding else {
             continue;
         };
-        // One beyond the last that may be is refused as any other.
+        // A location beyond the last allowed one is refused as any other.
         let index = location.min(8) as usize;
         if targets.len() <= index {
             targets.resize(index + 1, None);

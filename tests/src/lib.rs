@@ -1,4 +1,4 @@
-//! What the tests of every permutation share: a scene that a key chooses, an oracle for its shadow
+//! Shared parts of the tests of every permutation: a scene that a key chooses, an oracle for its shadow
 //! term that uses nothing of the GPU, and Dawn, which says what WebGPU takes.
 
 mod air;

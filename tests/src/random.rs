@@ -9,7 +9,7 @@ pub fn random_shader(seed: u64) -> String {
     let fragment = random.one_in(2);
     let mut maker = Maker {
         fragment,
-        // Half of them have little that differs between invocations.
+        // Half of the shaders have few values that differ between invocations.
         differs: if random.one_in(2) { 3 } else { 12 },
         filters: fragment && random.one_in(4),
         random,
@@ -42,7 +42,7 @@ impl Random {
     }
 }
 
-/// What a function takes.
+/// Kind of a function's parameter.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Value,
@@ -57,17 +57,17 @@ struct Function {
     gives: bool,
 }
 
-/// What is in scope.
+/// Names in scope, and the statements that may stand there.
 #[derive(Clone, Default)]
 struct Scope {
-    /// What an expression may read.
+    /// Expressions that may be read.
     values: Vec<String>,
     /// Variables that are numbers.
     variables: Vec<String>,
     arrays: Vec<String>,
     pointers: Vec<String>,
     array_pointers: Vec<String>,
-    /// How many statements may still lie within each other.
+    /// How deep statements may still nest.
     depth: usize,
     in_loop: bool,
     in_switch: bool,
@@ -78,7 +78,7 @@ struct Scope {
 struct Maker {
     random: Random,
     fragment: bool,
-    /// One of so many values differs between invocations.
+    /// One in so many values differs between invocations.
     differs: usize,
     filters: bool,
     names: usize,
@@ -315,7 +315,7 @@ impl Maker {
         };
         let statements = 1 + self.random.below(3);
         let mut body = self.statements(&mut inner, statements);
-        // A loop that nothing leaves is an error of another kind.
+        // A loop without an exit is an error of another kind.
         if ends(&body) {
             body = format!("if {} {{\nbreak;\n}}\n{body}", self.condition(scope, 1));
         }
@@ -396,7 +396,7 @@ impl Maker {
         format!("({left} {} {right})", self.random.choose(&["<", ">", "=="]))
     }
 
-    /// A number, of parts within parts at most `depth` deep.
+    /// A numeric expression, nested at most `depth` deep.
     fn value(&mut self, scope: &Scope, depth: usize) -> String {
         let compound = if depth > 0 { self.random.below(12) } else { 12 };
         match compound {
@@ -461,7 +461,7 @@ impl Maker {
         let mut arguments = Vec::new();
         for kind in &called.parameters {
             let from = match kind {
-                // What a pointer may lead to is not read beside it.
+                // A variable that a pointer may lead to is not read in the same call.
                 Kind::Value if aliases => {
                     arguments.push("same.x".to_owned());
                     continue;

@@ -77,7 +77,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         let opaque = Vec4::new(0.5, 1.0, 0.25, 1.0);
         cube.colors = vec![opaque; cube.positions.len()];
         quad.colors = vec![opaque; quad.positions.len()];
-        // From nothing on the left to all on the right: cut off in the middle.
+        // Opacity grows from 0 on the left to 1 on the right: the cut-off is in the middle.
         let veiled = veil.uvs.iter().map(|uv| opaque.with_w(uv.x));
         veil.colors = veiled.collect();
     }

@@ -26,7 +26,7 @@ fn verdicts() -> Vec<bool> {
     marks.map(|mark| mark == '+').collect()
 }
 
-/// What we print of the shader `seed`: of all its functions, as Dawn looks at those, too, that nothing calls.
+/// The WGSL that we print for the shader `seed`: of all its functions, as Dawn also checks those that nothing calls.
 fn linked(seed: u64) -> Result<String, Error> {
     let thread = std::thread::current().id();
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{seed}-{thread:?}"));
@@ -38,7 +38,7 @@ fn linked(seed: u64) -> Result<String, Error> {
     linked?.wgsl()
 }
 
-/// Random shaders are taken or refused by us as by Dawn.
+/// We take or refuse random shaders as Dawn does.
 #[test]
 fn random_shaders_are_taken_as_dawn_takes_them() {
     let verdicts = verdicts();
@@ -81,7 +81,7 @@ fn dawn_takes_what_we_print_of_random_shaders() {
     }
     for ((seed, refusal), taken) in refused.iter().enumerate().zip(verdicts()) {
         assert_eq!(refusal.is_none(), taken, "{seed}: {refusal:?}");
-        // It is of this kind of fault alone that these are.
+        // These shaders have faults of this kind only.
         let uniform = |why: &String| why.contains("uniform");
         assert!(refusal.as_ref().is_none_or(uniform), "{seed}: {refusal:?}");
         if let Ok(text) = linked(seed as u64) {

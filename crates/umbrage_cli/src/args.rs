@@ -148,7 +148,7 @@ pub(crate) struct CompareArgs {
     pub(crate) cache: Option<PathBuf>,
 }
 
-/// What is made up for bare models.
+/// The ground and sun that bare models get.
 #[derive(Args)]
 pub(crate) struct StagingArgs {
     /// Puts no ground under bare models.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// What was checked: its value of each axis, and whether the fault was found with them.
+/// A checked subject: its value of each axis, and whether the fault was found with these values.
 pub(crate) type Checked<'a> = (Vec<Option<&'a str>>, bool);
 
 /// Axes with their values, both as numbers; the axes ascend.
@@ -11,15 +11,15 @@ type Choice = Vec<(usize, usize)>;
 /// A set of subjects, 64 to a word.
 type Subjects = Vec<u64>;
 
-/// The smallest choice of `axes` that triggers a fault, among what was checked: the fewest axes with such
-/// values that whatever has these values has the fault; among choices as small that explain as much, one of the
-/// first axes. Where no one choice covers all faulty subjects, several, joined by “or”; where everything is
+/// The smallest choice of `axes` that triggers a fault, among the checked subjects: the fewest axes and values such
+/// that every subject with these values has the fault. Among equally small choices that explain as many faults, the
+/// first axes win. Where no one choice covers all faulty subjects, several, joined by “or”; where everything is
 /// faulty, `always`.
 pub(crate) fn smallest_cause<'a>(
     axes: &[&str],
     checked: impl IntoIterator<Item = Checked<'a>>,
 ) -> String {
-    // What agrees on all axes counts once.
+    // Subjects that agree on all axes count once.
     let checked: BTreeSet<_> = checked.into_iter().collect();
     let checked: Vec<_> = checked.into_iter().collect();
     let mut uncovered = subjects(checked.iter().map(|(_, faulty)| *faulty));
@@ -73,7 +73,7 @@ struct Axis {
     values: Vec<(String, Subjects)>,
 }
 
-/// Those of `names` that differ between subjects: no other can be part of a smallest choice.
+/// Axes of `names` whose values differ between subjects: no other axis can be part of a smallest choice.
 fn distinguishing_axes(names: &[&str], checked: &[Checked<'_>]) -> Vec<Axis> {
     let axes = names.iter().enumerate().filter_map(|(index, name)| {
         let values: BTreeSet<_> = checked.iter().map(|(values, _)| values[index]).collect();
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn the_first_of_equal_axes_is_told() {
-        // What draws by itself has no method.
+        // A pass with a draw of its own has no method.
         let checked = [
             (vec![Some("none"), Some("own")], true),
             (vec![Some("basic"), Some("lit")], false),

@@ -33,7 +33,7 @@ struct Report {
     /// How many keys failed.
     failed: usize,
     faults: Vec<ReportedFault>,
-    /// What does no harm, but is worth telling, with its source lines.
+    /// Warnings with their source lines: harmless, but worth telling.
     warnings: Vec<String>,
 }
 
@@ -61,7 +61,7 @@ struct Shared {
     composer: Composer,
     /// What each permutation came to.
     outcomes: BTreeMap<Key, Option<Error>>,
-    /// What they warn of.
+    /// Warnings of the permutations.
     warnings: BTreeSet<String>,
 }
 

@@ -48,9 +48,9 @@ impl Kind {
     }
 
     /// Lets `fill` write files into a new folder beside `out`, and then puts it in the place of `out`: a
-    /// half-written folder is never seen, and none is left behind by a fault or by Ctrl-C. Where the process is
-    /// killed, what stood there stands, or the new one does; what else it left is removed by the next that writes
-    /// there. `fill` may ask [`interrupt::check`] between its files.
+    /// half-written folder is never seen, and none is left behind by a fault or by Ctrl-C. If the process is killed,
+    /// the old folder stands there, or the new one; the next process that writes there removes everything else that
+    /// was left. `fill` may call [`interrupt::check`] between its files.
     pub(crate) fn replace(&self, out: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         // Dropped last, after the folders below are removed.
         let _writing = interrupt::writing();
@@ -97,7 +97,7 @@ impl Kind {
         let aside = self.aside(out)?;
         files.rename(out, &aside)?;
         let Err(error) = files.rename(fresh, out) else {
-            // What is not removed now is swept by the next.
+            // The next replacement sweeps whatever cannot be removed now.
             let _ = fs::remove_dir_all(&aside);
             return Ok(());
         };
@@ -114,7 +114,7 @@ impl Kind {
         Err(error.into())
     }
 
-    /// Removes what killed processes left in `parent`, and puts an earlier `out` back where one of them could not.
+    /// Removes the folders that killed processes left in `parent`, and puts back an earlier `out` that one moved aside.
     fn clear_up(&self, out: &Path, parent: &Path) -> Result<()> {
         sweep(parent, self.name, self.own);
         let aside = self.aside(out)?;
@@ -127,7 +127,7 @@ impl Kind {
         Ok(())
     }
 
-    /// Where an earlier `out` steps aside.
+    /// The path to which an earlier `out` is moved aside.
     fn aside(&self, out: &Path) -> Result<PathBuf> {
         let name = out.file_name().context("it has no name")?;
         let mut aside = OsString::from(format!(".{}-before-", self.name));
@@ -191,7 +191,7 @@ mod tests {
         own: |name| name == "file",
     };
 
-    /// Does as it is told.
+    /// A file system that fails at the steps the test chooses.
     struct Told<'a> {
         exchanges: bool,
         /// Called before each step; says whether it fails.
@@ -215,7 +215,7 @@ mod tests {
         }
     }
 
-    /// An old prebuild and a new one, and steps of which those that `fails` names do nothing.
+    /// Replaces an old prebuild with a new one; the steps that `fails` names do nothing.
     fn replaced(exchanges: bool, fails: fn(&Path, &Path) -> bool) -> (TempDir, Result<()>) {
         let folder = TempDir::new().expect("a folder");
         let out = folder.path().join("out");
@@ -277,7 +277,7 @@ mod tests {
         done.expect("written");
     }
 
-    /// What the test below runs in a process of its own, which stops before step `UMBRAGE_TEST_STEP`.
+    /// The process that the test below runs, which stops before step `UMBRAGE_TEST_STEP`.
     #[test]
     #[ignore = "run by a_kill_at_any_step_leaves_a_whole_folder"]
     fn writer_that_stops() {
@@ -345,7 +345,7 @@ mod tests {
             let mut lines = lines.map_while(Result::ok);
             assert!(lines.any(|line| line.ends_with("stopped")), "{step}");
             assert_eq!(text(&folder).as_deref(), left, "{step}");
-            // What it holds is not swept while it lives.
+            // Folders that a living process holds are not swept.
             let held = count(&folder);
             sweep(folder.path(), PREBUILD.name, PREBUILD.own);
             let is_old_tree = step == "exchange-3";
@@ -353,7 +353,7 @@ mod tests {
             child.kill().expect("killed");
             child.wait().expect("an end");
             assert_eq!(text(&folder).as_deref(), left, "{step}");
-            // A writer that fails leaves what it found, put back where need be.
+            // A writer that fails leaves the earlier folder, put back where need be.
             let failed = PREBUILD.replace(&out, |_| bail!("no room"));
             assert!(failed.is_err());
             assert_eq!(text(&folder).as_deref(), left.or(Some("old")), "{step}");
@@ -379,7 +379,7 @@ mod tests {
         }
         write_new(&folder.path().join("out"));
         assert_eq!(count(&folder), names.len() + 1);
-        // One left behind holds what a prebuild does, and goes.
+        // A folder left behind, with only a prebuild's files in it, is swept.
         let left = folder.path().join(".prebuild-abc123");
         fs::create_dir(&left).expect("a folder");
         fs::write(left.join("file"), "half").expect("a file");

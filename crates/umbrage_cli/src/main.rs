@@ -32,7 +32,7 @@ use clap::Parser;
 use args::{Arguments, Command};
 
 fn main() -> ExitCode {
-    // First of all, as it starts anew.
+    // This comes first, as it may restart the process.
     quiet::mesa();
     // What `compare` and `cost` start for themselves: no arguments, and nothing on standard output.
     umbrage_isa::serve_if_asked();

@@ -21,7 +21,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
         .context("standard output could not be written")
 }
 
-/// What an error says, with its causes; each once, though some errors tell their causes themselves.
+/// Message of an error with its causes, each told once, although some errors repeat their causes themselves.
 pub(crate) fn told(error: &anyhow::Error) -> String {
     let mut told = String::new();
     for cause in error.chain() {

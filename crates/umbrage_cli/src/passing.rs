@@ -1,5 +1,5 @@
-//! Folders of a passing name, in which something is made: held by a lock, so that those that a process which
-//! was killed left behind can be told from those that one is just filling.
+//! Temporary folders, in which something is made. Each is locked while it is filled: so folders that a killed
+//! process left behind can be told from folders in use.
 
 use std::{
     ffi::OsStr,
@@ -10,29 +10,29 @@ use std::{
 
 use tempfile::TempDir;
 
-/// Random letters of a passing name.
+/// Number of random letters in a temporary folder's name.
 const LETTERS: usize = 6;
 
-/// A folder that goes with this value, and that no other process takes for one left behind.
+/// A temporary folder, removed when this value is dropped; no other process takes it for one left behind.
 pub(crate) struct Passing {
     folder: TempDir,
-    /// Closed, it is unlocked: the system does so for a process that ends in whatever way.
+    /// Closing the file unlocks the folder; the system closes it however the process ends.
     _lock: Option<File>,
 }
 
 impl Passing {
-    /// A new folder in `parent`, open to whom the process's umask allows. Its name begins with `.NAME-`.
+    /// A new folder in `parent`, with the permissions that the process's umask leaves. Its name begins with `.NAME-`.
     pub(crate) fn new(parent: &Path, name: &str) -> io::Result<Self> {
         loop {
             let folder = tempdir(parent, name)?;
             let Some(lock) = lock(folder.path(), File::lock) else {
-                // Where folders cannot be locked, none is swept either.
+                // Where folders cannot be locked, none is swept: this one needs no lock.
                 return Ok(Self {
                     folder,
                     _lock: None,
                 });
             };
-            // Until it was locked, another process may have taken it for one left behind.
+            // Before it was locked, another process may have swept it as left behind.
             if folder.path().exists() {
                 return Ok(Self {
                     folder,
@@ -47,8 +47,8 @@ impl Passing {
     }
 }
 
-/// Removes the folders in `parent` that [`Passing`] made by this name and that no process holds any more. One
-/// that holds other files than `own` ones stays, as does what cannot be read or removed.
+/// Removes the folders in `parent` that [`Passing`] made by this name and that no process holds any more. A folder
+/// with files other than `own` ones stays, and so does one that cannot be read or removed.
 pub(crate) fn sweep(parent: &Path, name: &str, own: fn(&str) -> bool) {
     let prefix = format!(".{name}-");
     let passing = |file: &OsStr| {
@@ -85,7 +85,7 @@ fn tempdir(parent: &Path, name: &str) -> io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
-/// The folder `path`, locked; none where that cannot be.
+/// The folder `path`, locked; none where it cannot be.
 fn lock(path: &Path, lock: impl Fn(&File) -> io::Result<()>) -> Option<File> {
     let file = File::open(path).ok()?;
     lock(&file).ok()?;

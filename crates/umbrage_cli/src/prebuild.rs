@@ -64,18 +64,18 @@ struct Built {
     wgsl: String,
     spv: Option<Vec<u8>>,
     reflection: String,
-    /// What to tell of it.
+    /// Warnings to print.
     warnings: Vec<String>,
-    /// What SPIR-V does not hold of it.
+    /// The part that SPIR-V cannot hold.
     lost: Lost,
 }
 
-/// What SPIR-V does not hold of a permutation.
+/// The part of a permutation that SPIR-V cannot hold.
 enum Lost {
     Nothing,
-    /// That these overrides can be set.
+    /// The choice of these overrides' values: SPIR-V has their defaults.
     Overrides(Vec<String>),
-    /// Anything: why.
+    /// The whole permutation, and why.
     All(Error),
 }
 

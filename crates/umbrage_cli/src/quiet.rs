@@ -1,9 +1,9 @@
 //! Mesa's layer that chooses among devices asks Wayland, whose library complains on standard error where there
-//! is no desktop's session. The command has no window; it turns the layer off for itself.
+//! is no desktop session. The command has no window, so it turns the layer off for itself.
 
-/// Turns the layer off (`NODEVICE_SELECT`), before Vulkan's loader looks for layers. That takes an environment
-/// of its own: the command becomes another process of the same number, with the same arguments and files. Where
-/// someone chooses a device by that layer, or it would not complain, it is left alone.
+/// Turns the layer off (`NODEVICE_SELECT`), before Vulkan's loader looks for layers. As that takes a changed
+/// environment, the command executes itself anew, with the same process number, arguments and files. Where someone
+/// chooses a device by that layer, or it would not complain, it is left alone.
 #[cfg(unix)]
 pub(crate) fn mesa() {
     use std::{env, os::unix::process::CommandExt, path::PathBuf, process::Command};
@@ -16,7 +16,7 @@ pub(crate) fn mesa() {
     }
     let mut words = env::args_os();
     if let (Ok(program), Some(name)) = (env::current_exe(), words.next()) {
-        // Where it fails, all that is lost is silence.
+        // A failure does no harm: the library's complaint is then printed.
         let _ = Command::new(program)
             .arg0(name)
             .args(words)

@@ -26,7 +26,7 @@ struct Report<'a> {
     adapter: &'a str,
     lights: Vec<UsedLight<'a>>,
     permutations: Permutations<'a>,
-    /// What the models' files say that the picture does not show.
+    /// Features of the models' files that the picture does not show.
     left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,
@@ -183,7 +183,7 @@ fn report<'a>(
                 name: &light.name,
                 casts: match args.method.as_deref() {
                     Some(Shadow::NONE) => false,
-                    // What a scene leaves open is decided by a method.
+                    // A light without a `shadow` casts only where a method is given.
                     None if light.shadow.is_none() => false,
                     _ => scene.casts_shadow(light),
                 },

@@ -25,7 +25,7 @@ struct Report<'a> {
     /// The lights whose shadows the picture shows: those that cast some.
     lights: Vec<ReportLight<'a>>,
     triangles: usize,
-    /// What the models' files say that is not there.
+    /// Features of the models' files that the picture does not show.
     left_out: &'a [LeftOut],
     /// From the scene to the pixels in memory.
     milliseconds: f64,

@@ -47,7 +47,7 @@ fn structs(module: &Module) -> BTreeSet<(Vec<Member>, u32)> {
     structs.collect()
 }
 
-/// What the `wesl` crate makes of `files`, with `kept` and what it reaches.
+/// Output of the `wesl` crate for `files`, with `kept` and everything that `kept` reaches.
 fn theirs(files: &[(&str, &str)], features: &[&str], kept: &str) -> String {
     let mut resolver = VirtualResolver::new();
     for (path, text) in files {
@@ -185,7 +185,7 @@ fn places_and_numbers() {
     assert_eq!(structs(&parse(&text)), structs(module), "{text}");
 }
 
-/// What is wrong in an attribute is told where it stands.
+/// Faults in an attribute are told at their place.
 #[test]
 fn a_fault_in_an_attribute() {
     let dir = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! What naga's IR has no words for, and the text has all the same: diagnostic filters, and extensions.
+//! Diagnostic filters and extensions: naga's IR cannot express them, yet the printed text has them.
 
 use std::sync::Arc;
 
@@ -328,7 +328,7 @@ struct Outer {{ {outer} }}
     }
     let text = wgsl(&[("main.wesl", &main("z: f32, @align(32) inner: Inner"))]);
     assert!(text.contains("@size(32) z: f32"), "{text}");
-    // What is last lacks padding alone.
+    // The last member lacks only padding.
     for outer in ["inner: Inner", "inner: Inner, z: f32"] {
         let text = wgsl(&[("main.wesl", &main(outer))]);
         assert!(text.contains("@size(28) y: f32"), "{text}");

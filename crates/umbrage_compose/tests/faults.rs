@@ -233,7 +233,7 @@ fn sound() {
     compose(&[], MINE).expect("the method implements the interface");
 }
 
-/// What naga, wgpu or Rust would say of their own things, and no author of WGSL.
+/// Words of naga, wgpu or Rust for their own things, which an author of WGSL does not know.
 const FOREIGN: [&str; 18] = [
     "naga",
     "Capabilities",
@@ -508,7 +508,7 @@ fn no_message_speaks_of_naga_s_own_things() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // What a validator lets pass today says nothing; most it must refuse.
+    // Modules that the validator lets pass today test nothing; it must refuse most of them.
     assert!(unnoticed.len() * 5 < FAULTY.len(), "{unnoticed:?}");
 }
 

@@ -1,4 +1,4 @@
-//! What a host knows by name: in the text that is printed, everything has the name that its author gave it, as
+//! Names that a host knows: in the printed text, all that a host names has the name that its author gave it, as
 //! the reflection tells.
 #![allow(
     clippy::panic,
@@ -29,7 +29,7 @@ fn link(files: &[(&str, &str)]) -> Result<Permutation, Error> {
     link_file(&main, None, &[], &[], Target::webgpu())
 }
 
-/// What is printed of `files`, and what naga makes of it, which must be valid and be printed alike again.
+/// The text printed for `files`, and naga's module of it, which must be valid and print the same text again.
 fn printed(files: &[(&str, &str)]) -> (String, Module) {
     let linked = link(files).unwrap_or_else(|error| panic!("{error}"));
     let text = linked.wgsl().unwrap_or_else(|error| panic!("{error}"));
@@ -90,7 +90,7 @@ fn a_member_of_an_overrides_name() {
     assert!(text.contains("p.K1") && text.contains("* K1)"), "{text}");
 }
 
-/// Whatever else has a host's name gives way, and nothing else does.
+/// Other declarations with a host's name are renamed, and nothing else is.
 #[test]
 fn what_else_may_have_a_hosts_name() {
     let own = "override K1: f32 = 1.0;\nfn helper() -> f32 { return K1; }\n\
@@ -112,7 +112,7 @@ fn what_else_may_have_a_hosts_name() {
     }
 }
 
-/// A name that is WGSL's own is an author's where nothing means WGSL's by it; members may have any.
+/// A name of WGSL's own may be an author's where no code uses WGSL's; members may have any name.
 #[test]
 fn names_that_wgsl_has_too() {
     let (text, _) = printed(&[(
@@ -296,7 +296,7 @@ fn overrides_at_their_defaults() {
     assert!(place.file.ends_with("main.wesl"), "{error}");
 }
 
-/// What `modf` and `frexp` give has a type without a name.
+/// Results of `modf` and `frexp` have a type without a name.
 #[test]
 fn variables_of_nameless_types() {
     let (text, _) = printed(&[(
@@ -376,7 +376,7 @@ fn overrides_are_reflected() {
     assert!(error.to_string().contains("`none`"), "{error}");
 }
 
-/// What the reflection says of bindings and members is what is printed.
+/// Bindings and members are printed as the reflection tells.
 #[test]
 fn the_reflection_and_the_text_agree() {
     let files = [
@@ -499,7 +499,7 @@ fn overrides_that_a_host_cannot_tell_apart() {
         ("b.wesl", &module("override S: f32;", "b")),
     ])
     .expect("a number and a name");
-    // What nothing reaches clashes with nothing.
+    // Declarations that nothing reaches clash with nothing.
     compose(&[
         ("main.wesl", main),
         ("a.wesl", &module("override S: f32;", "a")),
@@ -586,8 +586,8 @@ fn name() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// Whatever things are called, the text means what was linked: naga finds the same hosts' names, members and
-    /// layouts in it, and prints the same text from it again.
+    /// Names do not change what the printed text means: naga finds the linked hosts' names, members and layouts in it,
+    /// and prints the same text from it again.
     #[test]
     fn any_names(
         entry in name(), set in name(), numbered in name(), bound in name(), members in prop::collection::btree_set(name(), 3),
@@ -620,7 +620,7 @@ proptest! {
         );
         let main = format!("import package::apart;\n{main}");
         let files = [("main.wesl", main.as_str()), ("lib.wesl", lib.as_str()), ("apart.wesl", apart.as_str())];
-        // What naga itself refuses in a module is no matter of names.
+        // Modules that naga itself refuses have nothing to do with names.
         let Ok(linked) = link(&files) else { return Err(TestCaseError::reject("refused")) };
         let Ok(_) = linked.wgsl() else { return Err(TestCaseError::reject("a host's name that WGSL needs")) };
         let (text, _) = printed(&files);

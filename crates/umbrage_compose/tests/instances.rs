@@ -254,7 +254,7 @@ fn what_is_shared_openly() {
         two(AB, &[("methods/a.wesl", OWN_MAP), ("methods/b.wesl", mask)]).expect("two maps");
     assert_eq!(linked.reflection.bindings.len(), 2);
 
-    // What the pass reads as well.
+    // A variable that the pass reads as well.
     let frame = "@group(0) @binding(0) var<uniform> frame: vec4f;\n";
     let method = |map: &str| {
         format!(

@@ -74,7 +74,7 @@ fn agree(files: &[(&str, &str)], features: &[&str], expected: &str) {
     assert_eq!(theirs(files, features), expected);
 }
 
-/// What leads nowhere is no fault until it is used.
+/// Imports that lead nowhere are no fault until they are used.
 #[test]
 fn imports_that_are_not_used_may_lead_nowhere() {
     for import in [
@@ -92,7 +92,7 @@ fn imports_that_are_not_used_may_lead_nowhere() {
     }
 }
 
-/// What `probe()` gives where the `wesl` crate links as its specification has it: what is not used, unread.
+/// Result of `probe()` where the `wesl` crate links as its specification has it: unused modules stay unread.
 fn lazy(files: &[(&str, &str)]) -> String {
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver(files));
     compiler.set_options(CompileOptions {
@@ -239,7 +239,7 @@ fn names_that_a_host_knows() {
     );
 }
 
-/// What depends on overrides can be said in WGSL, where overrides stay what they are, and in SPIR-V at their defaults.
+/// Code that depends on overrides can be printed as WGSL, which keeps them, and as SPIR-V, at their defaults.
 #[test]
 fn overrides() {
     let shader = |body: &str| format!("override O: f32 = 2.0;\noverride N: u32 = 3u;\n{body}\n");

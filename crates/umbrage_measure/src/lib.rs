@@ -8,8 +8,8 @@
 //!    between the camera's near and far distance is what the pixel sees: an object, one of its
 //!    triangles, and a point on it. Both sides of a triangle are seen.
 //! 2. **Shadow.** From that point goes a ray to the light. The point is in shadow where the ray meets a
-//!    triangle of an object that casts strictly between the two: one that point and light lie on different sides
-//!    of. The triangle that the point lies on is none, and neither is one that the light lies on.
+//!    triangle of an object that casts strictly between the two: the point and the light lie on different sides of
+//!    that triangle. A triangle that the point or the light lies on casts no shadow on the point.
 //!
 //! Where a material has a cut-off, what is less opaque than that is no surface, for either ray; the
 //! texture is read in full resolution. A light that is no point gets many rays, spread evenly over the
@@ -66,13 +66,13 @@
 //!   than the rounding of the numbers that it was computed from is none. That bound follows the numbers:
 //!   it shrinks and grows with the scene.
 //! - **A light in a surface** (a lamp in a ceiling, a spot light's apex on a wall, a lamp on a box's edge) shines to
-//!   both sides, as far as nothing else is in its way: what is lit is what would be if the light were moved ever so
-//!   little towards it. The light lies on a triangle where it is no farther from its plane than what the numbers
-//!   tell: the rounding of f64 where the light stands in the world, and a step of f32 of the corners as their mesh
-//!   has them, so that a lamp at 0.4 m lies on a box whose corner is the f32 next to 0.4. It is found from
-//!   the light alone, whatever the way to it: so all points behind a surface agree. A sphere of light that a surface cuts is seen
-//!   as far as it hangs out. A renderer means the same where its maps begin behind what the light lies on; but they
-//!   leave out all that is nearer than a share of the light's range, which here shades (see `umbrage_methods::basic`).
+//!   both sides, as far as nothing else is in its way: each point is lit as if the light were moved ever so little
+//!   towards it. The light lies on a triangle if its distance from the triangle's plane is within rounding: of f64
+//!   where the light stands in the world, and a step of f32 of the corners as their mesh has them, so that a lamp at
+//!   0.4 m lies on a box whose corner is the f32 next to 0.4. This depends on the light alone, not on the ray to it:
+//!   so all points behind a surface agree. Of a sphere of light that a surface cuts, the part on the point's side is
+//!   seen. A renderer means the same where its maps begin behind the surface that the light lies on; but its maps
+//!   leave out all casters nearer than a share of the light's range, which here shade (see `umbrage_methods::basic`).
 //! - **No gaps.** Of two triangles that share an edge, a ray that passes through the edge meets at least one
 //!   (Woop, Benthin and Wald 2013: "Watertight Ray/Triangle Intersection").
 //! - **No place.** Positions are relative to the camera, and f64 throughout: a scene a thousand kilometres

@@ -1,4 +1,4 @@
-//! What a glTF model says of its shape casts as it should: in the picture, in the truth, and by hand.
+//! Shapes of a glTF model cast the shadows they should: in the picture, in the truth, and by hand.
 
 mod common;
 

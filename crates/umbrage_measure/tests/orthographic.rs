@@ -68,8 +68,8 @@ fn wrong(truth: &Truth, terms: &[f32]) -> (f64, usize) {
     (wrong as f64 / all as f64, all)
 }
 
-/// Seen from straight above, the shadow of a box is a polygon: what is covered by its top as light moves it, its foot,
-/// and all between.
+/// Seen from straight above, the shadow of a box is a polygon: the convex hull of its foot and of its top as the light
+/// projects it.
 #[test]
 fn the_shadow_of_a_box_seen_from_above_is_a_polygon() {
     let scene = load(
@@ -151,8 +151,8 @@ fn what_is_drawn_is_near_to_the_truth() {
     }
 }
 
-/// What a camera of parallel rays sees does not depend on where along its axis it stands, be it behind all, a thousand
-/// kilometres away, or in the midst.
+/// The picture of an orthographic camera does not depend on where along its axis it stands: behind all objects, a
+/// thousand kilometres away, or among them.
 #[test]
 fn the_place_along_the_axis_does_not_matter() {
     let mut renderer = renderer();
@@ -188,7 +188,7 @@ fn the_place_along_the_axis_does_not_matter() {
             };
             let apart = |a: &[f32; 3], b: &[f32; 3]| (0..3).any(|i| (a[i] - b[i]).abs() > 0.01);
             let differ = own.iter().zip(&moved).filter(|(a, b)| apart(a, b)).count();
-            // Pixels whose middle lies on an edge, as far as 1e6 m leave digits.
+            // Pixels whose middle lies on an edge, within the digits that 1e6 m leave.
             assert!(differ < 40, "{method}, {by} m: {differ} pixels differ");
         }
     }
@@ -226,7 +226,7 @@ fn a_perspective_from_far_away_tends_to_the_same_picture() {
     assert!(mean < 0.002, "{mean}");
 }
 
-/// The term of a light that casts no shadow is 1, here and there, whatever method is asked for; alone as among others.
+/// The term of a light that casts no shadow is 1 in pictures and in truth, whatever the method, alone or among others.
 #[test]
 fn lights_without_shadows_count_alike_in_pictures_and_in_truth() {
     let mut renderer = renderer();
@@ -272,13 +272,13 @@ fn lights_without_shadows_count_alike_in_pictures_and_in_truth() {
         assert!(differ < 540, "{method:?}: {differ} pixels differ");
         assert!(terms[0].iter().chain(&terms[2]).all(|term| *term == 1.0));
     }
-    // Alone it is no scene that leaves open who casts.
+    // Alone, the light does not make a scene that leaves open which lights cast.
     let alone = mixed.clone().lit_by(0).expect("a light");
     assert!(!alone.casts_shadow(&alone.lights[0]));
     let alone = mixed.clone().lit_by(1).expect("a light");
     assert!(alone.casts_shadow(&alone.lights[0]));
     assert!(mixed.lit_by(3).is_none());
-    // And where none says, all do.
+    // Where no light has a `shadow`, all cast.
     let open = scene(ASLANT, fill);
     assert!(open.casts_shadow(&open.lights[0]));
 }

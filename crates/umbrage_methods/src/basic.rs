@@ -35,14 +35,14 @@
 //! cube, whose faces a wider fetch cannot cross.
 //!
 //! # Limits
-//! What shades a receiver from less than two slopes' texels along the ray may be missed; at more than 89.1° to the
-//! light, what is less than √2 (W + 1) / 2 texels off its plane as well. A shadow that is less than half of the
-//! filter across the light is washed out, which flat light makes of low things' shadows, however long they are.
-//! Where a wall ends in another surface, the filter of one that is followed across the corner finds the other
-//! before it: at grazing angles, a darker rim at its foot.
+//! Casters nearer to a receiver than two slopes' texels along the ray may be missed; at more than 89.1° to the light,
+//! so may casters less than √2 (W + 1) / 2 texels off its plane. A shadow narrower across the light than half of the
+//! filter is washed out: in flat light, so are the shadows of low casters, however long they are. Where a wall meets
+//! another surface, the filter follows the wall's plane past the corner and finds the other surface before it: at
+//! grazing angles, a darker rim at the wall's foot.
 //!
-//! What is nearer to a spot or point light than 1e-5 of its range casts no shadow: so neither does what the light
-//! lies on, be it a wall, an edge or a corner. What stands off it by less than that shades in truth, and not here.
+//! Casters nearer to a spot or point light than 1e-5 of its range cast no shadow: so neither does the surface that
+//! the light lies on, be it a wall, an edge or a corner. A caster that near, but off the light, shades in truth only.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
 use umbrage_shadow::{

@@ -157,7 +157,7 @@ impl BasicTwin {
         let height = normal.dot(offset);
         let across = DVec2::new(normal.dot(right), normal.dot(down));
         let Followed { slope, aside } = Followed::new(-across, STEEPEST / distance, -height);
-        // The face's part of it is the slope that is followed; the rest goes with it.
+        // The part along the face is the slope that is followed; the rest shrinks in proportion.
         let tilt = if height < 0.0 {
             let followed = (slope.length() * -height / across.length()).min(1.0);
             followed * normal / height

@@ -35,12 +35,11 @@
 //! | `plane` | 1/16, and rounding | 1.5 |
 //! | `constant` | `bias` | 19 · (W + 1) / 2 |
 //!
-//! A plane that is followed needs nothing but room for rounding: what the rasteriser's grid displaces it by is in what a
-//! fetch leans over it (`slope.rs`). What else there is to cover, facets that are steeper than the plane that is
-//! followed, the default `depth_bias` of 1.5 is enough for (see [`crate::basic`]). To lie deeper holds off no more shade,
-//! but lets in light; so nothing is held deeper than `nearest` with its default would have it, and what is thinner
-//! than that is held less deep. Where no plane is followed, the middle is all that holds off a slope: up to 19 over the
-//! (W + 1) / 2 texels that the filter reaches.
+//! A plane that is followed needs only room for rounding: a fetch leans far enough to cover the rasteriser's grid as
+//! well (`slope.rs`). For the rest, facets steeper than the plane that is followed, the default `depth_bias` of 1.5 is
+//! enough (see [`crate::basic`]). A deeper map would prevent no more acne, but let in light; so no caster is held
+//! deeper than `nearest` with its default would have it, and thinner casters are held less deep. Where no plane is
+//! followed, only the middle prevents acne on a slope: up to 19 over the (W + 1) / 2 texels that the filter reaches.
 //!
 //! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth
 //! is A + B / d, and it is the harmonic mean of the distances, 2 d₁ d₂ / (d₁ + d₂): between the two as well, and nearer to
@@ -86,7 +85,7 @@ const FACES: &str = "faces";
 const FRONTS: &str = "front_faces";
 const BACKS: &str = "back_faces";
 
-/// What a plane has between itself and its own map where it is followed, in texels' widths: room for rounding.
+/// Distance between a followed plane and its own map, in texels' widths: room for rounding.
 const LEAST: f64 = 1.0 / 16.0;
 
 /// The slope that a middle holds off where no plane is followed: the tangent of 87°.

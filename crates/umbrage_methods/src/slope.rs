@@ -6,9 +6,9 @@
 //! tap; so what is compared leans towards the light by |s|₁, the sum over both axes, which none of the plane's own
 //! texels exceeds.
 //!
-//! What leans misses what shades the receiver from nearer: |s|₁ texels along the ray, which is a texel or so off the
-//! plane, but has no end at the horizon. So from [`STEEPEST`] on only a share c of the slope is followed, and a map is
-//! asked elsewhere, a step of
+//! A depth that leans misses casters nearer to the receiver than |s|₁ texels along the ray: a texel or so off the
+//! plane, but without bound at the horizon. So from [`STEEPEST`] on only a share c of the slope is followed, and the
+//! map is read elsewhere, a step of
 //!
 //! (1 − c) · (W + 1) / 2 · |s|₁ / |s| texels,
 //!
@@ -21,10 +21,10 @@
 //! short.
 //!
 //! # Which slope
-//! What follows a plane loses the near ends of shadows, where what shades is within |s|₁ along the ray; what steps aside
-//! loses their far ends, and all that is lower than the step, which grows with the filter. False shadow / false light in
-//! percent of the samples (`umbrage stress --json`), by the slope up to which planes are followed. Before, nothing stepped
-//! aside:
+//! Following a plane loses the near ends of shadows, where the caster is within |s|₁ along the ray. Stepping aside
+//! loses their far ends, and the shadows of all casters lower than the step, which grows with the filter. False shadow
+//! / false light in percent of the samples (`umbrage stress --json`), by the slope up to which planes are followed.
+//! Before, there was no step aside:
 //!
 //! | case, variant | before, 19 | 19 | 40 | 57 | 64 | 100 | 1000 |
 //! | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -51,9 +51,9 @@ pub(crate) const ASTRAY: f64 = 1.0 / 256.0;
 /// How a plane is asked about in a map: the shader's struct.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Followed {
-    /// What its depth is taken to change by a texel.
+    /// Change of the plane's depth per texel, as far as it is followed.
     pub slope: DVec2,
-    /// How far from its own place it is asked about, in the filter's reaches.
+    /// Step from the receiver's own place to where the map is read, in the filter's reaches.
     pub aside: DVec2,
 }
 
@@ -87,8 +87,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// However steep a plane is, no texel of it that a tap reads is nearer to the light than what the tap compares,
-        /// and the map is asked no farther aside than is said.
+        /// However steep a plane is, no texel of it that a tap reads is nearer to the light than the depth that the tap
+        /// compares, and the map is read no farther aside than the module says.
         #[test]
         fn no_plane_shades_itself(
             turn in 0.0..6.3, octaves in -3.0..30.0, width in prop::sample::select(vec![1u32, 3, 5, 7, 15]),

@@ -261,7 +261,7 @@ impl Gpu {
     }
 }
 
-/// What the composer checks of wgpu's limits.
+/// Limits of wgpu that the composer checks.
 fn limits(limits: &wgpu::Limits) -> impl Iterator<Item = (Limit, u64)> {
     let counts = [
         (Limit::BindGroups, limits.max_bind_groups),

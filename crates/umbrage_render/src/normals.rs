@@ -35,9 +35,9 @@ mod tests {
         let (u, v) = (DVec3::new(0.2, 1.0, 0.4), DVec3::new(-0.6, 0.1, 0.9));
         let normal = normal_matrix(linear) * u.cross(v);
         assert!(normal.dot(linear * u).abs() < 1e-12 && normal.dot(linear * v).abs() < 1e-12);
-        // On the same side as before: mirrored like any direction.
+        // A mirrored normal stays on the same side of its surface.
         assert!((linear * u.cross(v)).dot(normal) > 0.0);
-        // Flattened onto the ground, what looked up still does.
+        // A normal that pointed up still does when the object is flattened onto the ground.
         let flat = DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0));
         assert_eq!(normal_matrix(flat) * DVec3::Y, DVec3::Y);
     }

@@ -1,6 +1,6 @@
 //! Numbers as messages write them.
 
-/// `value` as a person writes it: with an exponent only where there would be many zeros.
+/// The number `value` as a person writes it: with an exponent only where there would be many zeros.
 pub fn plain_number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !value.is_finite() || (1e-4..1e6).contains(&size) {

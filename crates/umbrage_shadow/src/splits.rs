@@ -136,7 +136,7 @@ mod tests {
         Ok(())
     }
 
-    /// From far away, splits of equal ratios are splits of equal lengths: those of an orthographic view.
+    /// Splits of equal ratios, seen from far away, have equal lengths: as those of an orthographic view.
     #[test]
     fn equal_ratios_tend_to_equal_lengths_from_far_away() -> Result<(), PlanError> {
         let away = 1e6;

@@ -22,7 +22,7 @@ pub struct View {
 /// How a camera projects. Clip space is WebGPU's, depth reversed: 1 at `near`, 0 at `far`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// What it sees across.
+    /// Field of view.
     pub field: Field,
     /// Width over height.
     pub aspect: f64,
@@ -32,7 +32,7 @@ pub struct Projection {
     pub far: f64,
 }
 
-/// What a camera sees across: whether its rays spread, and how far.
+/// Field of view of a camera: whether its rays spread, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Field {
     /// Rays from one point.
@@ -70,9 +70,9 @@ impl View {
         self.projection.validate()
     }
 
-    /// The view of the same picture, of what it sees from `nearest` to `farthest` (view depths, metres): an orthographic
-    /// one stands close before the nearest of it, wherever its camera stands, so that positions relative to it and
-    /// depths are small numbers, and none of them below 0. A perspective view is left as it is.
+    /// The view of the same picture from `nearest` to `farthest` (view depths, metres): an orthographic view stands
+    /// close before `nearest`, wherever its camera stands, so that positions relative to the view and depths are small
+    /// numbers, and no depth is below 0. A perspective view is left as it is.
     pub fn around(self, nearest: f64, farthest: f64) -> Self {
         let Field::Orthographic { height } = self.projection.field else {
             return self;
@@ -81,8 +81,8 @@ impl View {
             return self;
         }
         let width = height * self.projection.aspect;
-        // A part of all lengths in view: beyond the rounding of any position that is seen, and there is room between the
-        // planes where all that is seen lies in one.
+        // A margin in proportion to all lengths in view: larger than the rounding of any position that is seen, and
+        // room between the planes even if all that is seen lies in one plane.
         let margin = (farthest - nearest + height + width) / 64.0;
         let step = nearest - margin;
         Self {
@@ -123,7 +123,7 @@ impl View {
         Frustum::from_matrix(self.view_proj_relative())
     }
 
-    /// The way (unit, world axes) to what it sees at a camera-relative position.
+    /// Direction (unit, world axes) of the ray to a camera-relative position.
     pub fn sight(&self, position: DVec3) -> DVec3 {
         match self.projection.field {
             Field::Perspective { .. } => position.normalize_or(self.forward()),
@@ -131,7 +131,7 @@ impl View {
         }
     }
 
-    /// What it sees between two view depths (metres, the first below the second, and above 0 where rays spread), in
+    /// The frustum between two view depths (metres, the first below the second, and above 0 where rays spread), in
     /// camera-relative space.
     pub fn part_relative(&self, near: f64, far: f64) -> Frustum {
         let projection = Projection {

@@ -6,14 +6,14 @@ use anyhow::{Context, Result};
 
 use crate::run::{behind_spinner, captured, root};
 
-/// What it needs.
+/// The oldest version of Node that Dawn's package runs on.
 const NODE: u32 = 20;
 const SOURCE: &str = "tests/dawn";
 /// Where the tests look for it.
 const HOME: &str = "target/umbrage/dawn";
 
-/// Installs Dawn once, and says whether the tests have it; where they do not, it is said why. `UMBRAGE_DAWN=off`
-/// does without.
+/// Installs Dawn once, and returns whether the tests have it; if not, prints why. `UMBRAGE_DAWN=off` leaves Dawn
+/// out.
 pub(crate) fn set_up_dawn() -> Result<bool> {
     let reason = if std::env::var("UMBRAGE_DAWN").is_ok_and(|wish| wish == "off") {
         "UMBRAGE_DAWN is `off`".to_owned()
@@ -33,7 +33,7 @@ pub(crate) fn set_up_dawn() -> Result<bool> {
     Ok(false)
 }
 
-/// What of Node is missing.
+/// The missing part of Node, in words; none where nothing is missing.
 fn lacking(node: Option<String>, npm: Option<String>) -> Option<String> {
     let Some(node) = node else {
         return Some(format!("there is no Node {NODE} or later here"));
@@ -80,7 +80,7 @@ fn install(source: &Path, home: &Path) -> Result<()> {
         "--prefix",
     ]);
     behind_spinner("installing Dawn", npm.arg(home))?;
-    // Last, so that what was broken off is begun again.
+    // This comes last, so that an interrupted installation is begun again.
     fs::write(&stamp, lock)?;
     Ok(())
 }
@@ -114,7 +114,7 @@ mod tests {
         assert!(!home.path().join("package.json").exists());
     }
 
-    /// Where a package is to be had from is the user's own matter.
+    /// The lock file names no registry: where packages come from is up to the user.
     #[test]
     fn the_package_asks_for_this_node_and_names_no_host() {
         let lock = root().join(SOURCE).join("package-lock.json");

@@ -22,7 +22,7 @@ pub(crate) fn test() -> Result<()> {
     steps.run("lints", clippy.args(["--", "-D", "warnings"]))?;
     let mut tests = cargo(&["test", "--no-fail-fast"]);
     if dawn {
-        // Without it they would be passed over, and nobody notice.
+        // Without it, these tests would be skipped, and nobody would notice.
         tests.env("UMBRAGE_DAWN", "on");
     }
     steps.run("tests, doc tests included", &mut tests)?;

@@ -1,8 +1,8 @@
-//! What WebGPU takes, and what it refuses: our verdicts held against Dawn's.
+//! Verdicts on what WebGPU takes and refuses: ours held against Dawn's.
 //!
 //! `dawn/shaders` has small shaders, one a file, whose first line says what Dawn says of it (`// Dawn: takes it`,
 //! or `// Dawn: refuses it: WHY`), so that ours are held to it where no Dawn is. A second line `// Umbrage: WORDS`
-//! asks that we refuse it in these words: of what Dawn takes, that is what naga cannot do. `UMBRAGE_BLESS=1` writes
+//! asks that we refuse it in these words: where Dawn takes the shader, naga cannot do it. `UMBRAGE_BLESS=1` writes
 //! the first lines anew, by Dawn.
 #![allow(
     clippy::panic,
@@ -96,7 +96,7 @@ fn our_refusal_of(files: &[(&str, &str)]) -> Option<String> {
     composed.err().map(|error| error.to_string())
 }
 
-/// Every stored shader is taken or refused by us as by Dawn, by its own account.
+/// We take or refuse every stored shader as Dawn does, by the verdict stored with it.
 #[test]
 fn our_verdicts_are_the_stored_ones() {
     let wrong: Vec<_> = shaders()
@@ -117,7 +117,7 @@ fn our_verdicts_are_the_stored_ones() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What the stored shaders say of Dawn is so.
+/// The verdicts stored with the shaders are Dawn's.
 #[test]
 fn the_stored_verdicts_are_dawns() {
     let bless = std::env::var_os("UMBRAGE_BLESS").is_some();
@@ -132,7 +132,7 @@ fn the_stored_verdicts_are_dawns() {
                 let place = why
                     .split_once(' ')
                     .filter(|(place, _)| place.chars().all(|c| c.is_ascii_digit() || c == ':'));
-                // The place tells nothing that the text does not.
+                // The place is left out: it tells nothing that the text does not.
                 let why = place.map_or(why, |(_, why)| why);
                 format!("// Dawn: refuses it: {why}")
             }
@@ -201,7 +201,7 @@ fn rows(page: &str) -> Vec<Vec<&str>> {
         .collect()
 }
 
-/// What the composer's page says of WGSL and WESL is so: each row's shader is taken, or refused, as the row has it.
+/// The composer's page on WGSL and WESL is true: each row's shader is taken, or refused, as the row says.
 #[test]
 fn the_page_of_what_is_supported_is_so() {
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -224,7 +224,7 @@ fn the_page_of_what_is_supported_is_so() {
         let (ours, dawns) = if path.starts_with("wesl/") {
             let text = fs::read_to_string(home.join(path)).expect(path);
             let ours = our_refusal_of(&[("main.wesl", &text), ("shapes.wesl", &shapes)]);
-            // Of WESL, Dawn knows nothing.
+            // Dawn does not know WESL.
             (ours.clone(), ours)
         } else {
             let path = home.join("dawn/shaders").join(path);
@@ -252,7 +252,7 @@ fn the_page_of_what_is_supported_is_so() {
     assert!(shown > 40, "{shown}");
 }
 
-/// The page has every limit with its value, and for each there is a stored shader that is beyond it.
+/// The page has every limit with its value, and a stored shader exceeds each of them.
 #[test]
 fn every_limit_is_on_the_page_and_is_held() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/umbrage_compose/support.md");
@@ -284,7 +284,7 @@ fn random_shaders_are_judged_alike() {
     let Some(mut dawn) = Dawn::start() else {
         return;
     };
-    // Others than these, and more, by hand.
+    // Runs by hand may choose other shaders, or more of them.
     let number = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
     let first: u64 = number("UMBRAGE_FIRST_SEED").unwrap_or(0);
     let count = number("UMBRAGE_SEEDS").unwrap_or(RANDOM);
@@ -308,7 +308,7 @@ fn random_shaders_are_judged_alike() {
             wrong.push(format!("{seed}: Dawn says {dawns:?}, we {ours:?}\n{text}"));
         }
     }
-    // A generator that makes one kind alone would tell nothing.
+    // A generator that made only valid, or only invalid, shaders would test nothing.
     assert!(
         refused > count as u32 / 5 && refused < count as u32 * 4 / 5,
         "{refused}"

@@ -22,7 +22,7 @@ fn pick<'a>(rng: &mut Rng, all: &[&'a str]) -> &'a str {
     all[rng.usize(0..all.len())]
 }
 
-/// What an expression gives: `f32`, `i32` or `u32`, by the letter that a template has for it.
+/// Types of an expression, `f32`, `i32` and `u32`, by the letter that a template has for each.
 const KINDS: [char; 3] = ['f', 'i', 'u'];
 
 const FLOATS: [&str; 12] = [
@@ -310,14 +310,14 @@ fn flow(rng: &mut Rng) -> String {
     )
 }
 
-/// What a statement stands in.
+/// Surroundings of a statement, which decide what it may be.
 #[derive(Clone, Copy, Default)]
 struct Around {
     /// Whether its function gives a value.
     result: bool,
     may_break: bool,
     may_continue: bool,
-    /// Which may not leave its loop.
+    /// Whether it is in a continuing block, which may not leave its loop.
     continuing: bool,
 }
 

@@ -66,7 +66,7 @@ fn no_adapter() {
     );
 }
 
-/// Without a desktop's session, what Mesa's layers look for is none of a reader's business.
+/// Mesa's complaints about a missing desktop session do not reach the user.
 #[cfg(unix)]
 #[test]
 fn success_says_nothing_on_standard_error() {

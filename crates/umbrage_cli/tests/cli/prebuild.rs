@@ -218,7 +218,7 @@ fn a_full_disk_leaves_the_earlier_prebuild() {
     assert_eq!(contents_of(&folder), ["out"]);
 }
 
-/// Whenever it comes, a tree is there, the old or the new; and the next run leaves nothing else.
+/// A kill at any moment leaves a whole tree, the old or the new; the next run removes everything else.
 #[cfg(unix)]
 #[test]
 fn a_kill_leaves_a_whole_prebuild() {
@@ -287,7 +287,7 @@ fn an_interrupt_leaves_a_whole_prebuild_or_none() {
     assert!(interrupted > 0, "no turn was interrupted");
 }
 
-/// What a host sets: WGSL keeps it, the reflection lists it, and what SPIR-V loses is told.
+/// Overrides that a host sets: WGSL keeps them, the reflection lists them, and a message tells what SPIR-V loses.
 #[test]
 fn overrides() {
     let folder = faulty_package();

@@ -223,7 +223,7 @@ fn nothing_is_in(folder: &TempDir) {
     assert!(left.is_empty(), "{left:?}");
 }
 
-/// What a model says and its picture does not show is told by name: to a person, and in the report.
+/// Features of a model that its picture does not show are told by name: to a person, and in the report.
 #[test]
 fn what_is_left_out_of_a_model_is_told() {
     let folder = TempDir::new().expect("a folder");

@@ -166,7 +166,7 @@ fn grazing(name: &'static str, hard: &'static str, angle: f64) -> Case {
     low_things(view, angle.to_radians()).case(name, hard)
 }
 
-/// Things so low that their shadows are two metres long, and a dome so flat that the light leaves it
+/// Casters so low that their shadows are two metres long, and a dome so flat that the light leaves it
 /// somewhere on its far side, in light at `angle` (radians) to the ground's normal.
 pub(super) fn low_things(view: Camera, angle: f64) -> Stage {
     let mut stage = Stage::new(view);

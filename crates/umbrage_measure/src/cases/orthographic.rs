@@ -26,8 +26,8 @@ fn camera(eye: glam::DVec3, target: glam::DVec3, height: f64) -> Camera {
     }
 }
 
-/// The fence and the wall, seen so flat that 8 m of picture are 42 m of them: from behind the camera's position to as far
-/// before it.
+/// The fence and the wall, seen so flat that 8 m of picture show 42 m of them: from behind the camera's position to
+/// equally far before it.
 fn seams() -> Case {
     let mut stage = fence(camera(vec(0.4, 2.0, -30.0), vec(-0.1, 0.0, -40.0), 8.0));
     stage.sun(vec(0.9, -0.36, -0.25));
@@ -37,7 +37,7 @@ fn seams() -> Case {
     )
 }
 
-/// As `grazing-85`: in a picture as high as that at its target.
+/// The scene of `grazing-85`, in a picture as high as the perspective one is at its target.
 fn grazing() -> Case {
     let angle: f64 = 85.0;
     let view = camera(vec(0.4, 2.6, 5.2), vec(0.2, 0.0, -0.4), 5.2);
@@ -47,7 +47,7 @@ fn grazing() -> Case {
     )
 }
 
-/// As `motion`.
+/// The scene of `motion`.
 fn motion() -> Case {
     let mut stage = garden(camera(vec(1.4, 2.2, 4.4), vec(0.0, 0.4, -0.6), 4.6));
     stage.sun(vec(0.55, -0.8, 0.5));

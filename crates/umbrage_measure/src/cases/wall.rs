@@ -8,7 +8,7 @@ use super::{
     stage::{BLUE, BRICK, GREEN, GROUND, OCHRE, STONE, Stage, at, camera, vec},
 };
 
-/// Name, what is hard, and metres from the wall.
+/// The case's name, the difficulty, and the lamp's metres from the wall.
 pub(super) const WALL_LAMPS: [(&str, &str, f64); 3] = [
     (
         "wall-lamp",
@@ -37,13 +37,13 @@ pub(super) fn cases() -> Vec<Case> {
             } else {
                 stage.point(vec(-0.3, 1.9, gap), 1.0, 12.0);
             }
-            // A texel is as small as things on the wall are thin, of whatever kind the maps are.
+            // Texels are as small as the casters on the wall are thin, whatever the method's maps.
             stage.case(name, hard).with_setting("resolution", 2048.0)
         })
         .collect()
 }
 
-/// A wall with what a room has on it, 1 to 20 cm thick, and a floor.
+/// A wall with the fittings of a room on it, 1 to 20 cm thick, and a floor.
 fn wall() -> Stage {
     let mut stage = Stage::new(camera(vec(0.5, 1.7, 4.4), vec(0.0, 1.65, 0.0), 44.0));
     let wall = Mesh::quad(Vec2::new(9.0, 3.6), Vec2::ONE);

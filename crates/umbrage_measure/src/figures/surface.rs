@@ -17,7 +17,7 @@ pub(super) struct Surface {
     pub(super) facets: Vec<Option<Facet>>,
     /// The picture.
     pub(super) picture: Cells,
-    /// What it is drawn from: positions are relative to it.
+    /// The view that it is drawn from: positions are relative to it.
     pub(super) view: View,
 }
 

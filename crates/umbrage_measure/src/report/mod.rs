@@ -77,7 +77,7 @@ pub struct SceneInfo {
     pub lights: usize,
     /// How many triangles all its objects have.
     pub triangles: usize,
-    /// What its models' files say that it does not show.
+    /// Features of its models' files that it does not show.
     pub left_out: Vec<LeftOut>,
 }
 

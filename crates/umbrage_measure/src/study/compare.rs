@@ -92,7 +92,7 @@ pub fn compare(
         let mut scene = scene.clone();
         // What is compared is shadows on surfaces: air would hide them, and its maps would have more to hold.
         scene.medium = None;
-        // What the scene chooses for a method is not what the configuration is called; which lights cast is the scene's.
+        // The scene's own axes and settings are not the configuration's; only which lights cast is the scene's choice.
         for shadow in scene
             .lights
             .iter_mut()

@@ -21,8 +21,8 @@ const STEP: f64 = 0.37;
 pub(super) struct Moving(Vec<(Scene, Truth)>);
 
 /// `frames` cameras: the scene's own, then moved sideways, then turned about the vertical in as many steps,
-/// each by less than a pixel. A pixel is taken as wide as it is at the middle depth of what `sight` sees; where rays are
-/// parallel, it is as wide anywhere, and what is farthest from the camera moves most as that turns.
+/// each by less than a pixel. A pixel is taken as wide as it is at the middle depth that `sight` sees; where rays are
+/// parallel, it is as wide at all depths, and the points farthest from the camera move most as the camera turns.
 /// The pictures are `height` pixels high.
 pub(super) fn cameras(scene: &Scene, sight: &Sight, height: u32, frames: usize) -> Vec<Camera> {
     let own = scene.camera;
@@ -41,7 +41,7 @@ pub(super) fn cameras(scene: &Scene, sight: &Sight, height: u32, frames: usize) 
         Field::Orthographic { height: tall } => {
             let pixel = tall / f64::from(height);
             let ends = depths.first().into_iter().chain(depths.last());
-            // Seen from straight above it turns the picture, whose corners move most.
+            // Seen from straight above, a turn about the vertical turns the picture, whose corners move most.
             let corner = 0.5 * pixel * f64::from(sight.width()).hypot(f64::from(sight.height()));
             let farthest = ends.fold(corner, |far, depth| far.max(depth.abs()));
             (pixel, pixel / farthest)

@@ -15,7 +15,7 @@ pub(crate) enum Lamp {
     },
     Bulb {
         position: DVec3,
-        /// By how much the position's coordinates may be off: in the world they have no finer steps.
+        /// Greatest error of the position's coordinates: in the world they have no finer steps.
         error: f64,
         range: f64,
         /// The axis, and the cosine of the angle where the light ends.
@@ -26,9 +26,9 @@ pub(crate) enum Lamp {
 /// Where to look from a point.
 #[derive(Clone, Copy)]
 pub(crate) struct Aim {
-    /// The way there: as long as it is far, or of any length where there is no end.
+    /// Direction to the light: as long as the light is far, or of any length where the ray has no end.
     pub(crate) direction: DVec3,
-    /// The place of the light that is looked for; none of what is infinitely far away.
+    /// Position of the light; none for one infinitely far away.
     pub(crate) end: Option<Place>,
 }
 

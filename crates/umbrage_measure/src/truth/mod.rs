@@ -163,9 +163,9 @@ impl Tracer {
         })
     }
 
-    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 lit, or anywhere of a light that
-    /// [casts no shadows](Scene::casts_shadow), 0 in shadow, none where nothing is seen, or the light does not reach, or a sharp one runs along the surface.
-    /// `on_row` is called after each
+    /// Finds the shadow term of a light (by its place in [`Scene::lights`]) for each pixel: 1 where it is lit, and
+    /// everywhere for a light that [casts no shadows](Scene::casts_shadow); 0 in shadow; none where nothing is seen,
+    /// where the light does not reach, and where a sharp light runs along the surface. `on_row` is called after each
     /// row, from any thread.
     ///
     /// # Errors

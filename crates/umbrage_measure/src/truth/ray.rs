@@ -10,7 +10,7 @@ use super::lamp::Aim;
 pub(crate) struct Place {
     /// Metres, world axes, relative to the camera.
     pub(crate) at: DVec3,
-    /// By how much its coordinates may be off; metres.
+    /// Greatest error of its coordinates; metres.
     pub(crate) error: f64,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Meeting {
 }
 
 impl Place {
-    /// What a few roundings of coordinates up to `size` may make of them; metres.
+    /// Error that a few roundings may make in coordinates up to `size`; metres.
     pub(crate) fn rounding(size: f64) -> f64 {
         4.0 * f64::EPSILON * size
     }
@@ -127,10 +127,9 @@ impl Ray {
         })
     }
 
-    /// Whether the ray, which meets the plane of these corners, goes on to the plane's other side: whether its end lies
-    /// there, farther from the plane than what is known of both, the end's error and how far off the corners may be
-    /// along each axis (`coarse`, metres). All is computed as seen from the end, and does not depend on where the
-    /// ray comes from.
+    /// Whether the ray, which meets the plane of these corners, ends on the plane's other side: farther from the plane
+    /// than the error of the end and the corners' error along each axis (`coarse`, metres). All is computed relative to
+    /// the end, and does not depend on where the ray comes from.
     pub(super) fn crosses(&self, [a, b, c]: [DVec3; 3], coarse: impl Fn() -> DVec3) -> bool {
         let Some(end) = self.end else {
             return true;

@@ -21,7 +21,7 @@ const MOST_TRIANGLES: usize = (1 << 30) - 1;
 /// Metres from the camera; products of four such lengths are far from f64's end.
 const FARTHEST: f64 = 1e15;
 
-/// By which share of themselves a mesh's coordinates may be off: a step of f32, in which they are given.
+/// Relative error of a mesh's coordinates: a step of f32, in which they are given.
 const GIVEN: f64 = f32::EPSILON as f64;
 
 /// The sine of the angle between a ray and a plane, in four steps of an f32, below which which side of the
@@ -42,7 +42,7 @@ struct Part {
     first_vertex: u32,
     mesh: Arc<Mesh>,
     material: Arc<Material>,
-    /// Of the transform's linear part, by how much each axis of the mesh moves each of the world's.
+    /// How far each axis of the mesh moves along each of the world's, by the transform's linear part.
     stretch: DMat3,
 }
 
@@ -191,7 +191,7 @@ impl Triangles {
         Place::rounding(corners.into_iter().fold(0.0, f64::max))
     }
 
-    /// By how much the corners of a triangle may be off along the world's axes, as they were given; metres.
+    /// Greatest error of a triangle's corners along the world's axes, as they were given; metres.
     fn coarseness(&self, triangle: u32) -> DVec3 {
         let part = &self.objects[self.owner(triangle).0 as usize];
         let given = |corner: u32| {
@@ -220,13 +220,13 @@ impl Triangles {
             let distance = self.block(ray, own, triangle)?;
             Some((distance, ()))
         };
-        // What lies just before the end may by rounding be met just behind it.
+        // A triangle just before the end may, by rounding, be met just behind it.
         let (_, (distance, ())) = self.tree.find_best(f64::INFINITY, enter, block)?;
         Some(distance)
     }
 
-    /// How far away a triangle keeps light from reaching the triangle `own`, if it does: where the two ends of the
-    /// ray lie on different sides of it. One that an end lies on shades nothing.
+    /// Distance at which a triangle keeps light from the triangle `own`, if it does: if the two ends of the ray lie on
+    /// different sides of it. A triangle that an end lies on shades nothing.
     fn block(&self, ray: &Ray, own: u32, triangle: u32) -> Option<f64> {
         if triangle == own {
             return None;

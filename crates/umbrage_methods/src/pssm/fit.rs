@@ -387,8 +387,8 @@ fn stable_texel(size: f64, least: f64, inner: f64) -> f64 {
     (size / (inner - 1.0)).max(least.log2().ceil().exp2())
 }
 
-/// The range of an orthographic view from the depth `near` on, rounded outwards so that it seldom changes: to a length of
-/// two to the octave, whose ends are multiples of its eighth from where the camera stands.
+/// The depth range of an orthographic view from `near` on, rounded outwards so that it seldom changes: its length to
+/// two steps an octave, its ends to multiples of an eighth of that length from where the camera stands.
 fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
     let length = rounded_up(length * 8.0 / 7.0, 2.0);
     let step = length / 8.0;
@@ -396,10 +396,10 @@ fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
     [near - PADDING * length, near + (1.0 + PADDING) * length]
 }
 
-/// How far along the camera's axis the middle of the smallest ball lies that holds what it sees from `near` to `far`
-/// (view depths, metres), and its radius.
+/// The smallest sphere around the part of the view from `near` to `far` (view depths, metres): the depth of its middle
+/// on the camera's axis, and its radius.
 fn sphere(projection: &Projection, near: f64, far: f64) -> (f64, f64) {
-    // The squares of half the diagonal at the two ends; they are as far from the middle unless that is beyond the far one.
+    // Squares of half the diagonal at the two ends; both are equally far from the middle, unless it is beyond `far`.
     let across = |depth: f64| 0.25 * projection.size_at(depth).length_squared();
     let apart = 0.5 * (across(far) - across(near)) / (far - near);
     let middle = (0.5 * (near + far) + apart).min(far);

@@ -113,8 +113,8 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
             assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
         }
         // A fetch lies at most a slope's texel above the plane on each axis, and the plane's texels as
-        // much below it; what of the slope is not followed differs over the whole filter, and is stepped aside for. A plane
-        // that is turned away is followed nowhere.
+        // much below it; the part of the slope that is not followed differs over the whole filter, so the map is read a
+        // step aside. A plane that is turned away is followed nowhere.
         let left = if turned_away {
             1.0
         } else {

@@ -231,7 +231,7 @@ impl Renderer {
         })
     }
 
-    /// The permutation that what is called `cause` needs in this pass, for an object where it is one's,
+    /// The permutation that this pass needs for `cause` (the name that faults give), for an object where one is drawn;
     /// composed on first need.
     pub(super) fn compose(
         &self,

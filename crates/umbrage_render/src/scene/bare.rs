@@ -1,5 +1,5 @@
-//! A model without a scene: it gets a ground that fits it, and what it does not bring itself of a camera and of
-//! lights.
+//! A model without a scene: it gets a ground that fits it, and a camera and a sun where the model brings no camera
+//! or no lights.
 
 use std::{path::Path, sync::Arc};
 

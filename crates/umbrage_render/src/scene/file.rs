@@ -323,7 +323,7 @@ impl Loader<'_> {
         let field = self.field(file)?;
         let nearest = match field {
             Field::Perspective { .. } => 1e-6,
-            // What lies behind its position is seen as what lies before it.
+            // An orthographic camera sees behind its position as well as before it.
             Field::Orthographic { .. } => -1e12,
         };
         let near = self.number("camera.near".to_owned(), file.near, nearest..=1e12)?;

@@ -1,4 +1,4 @@
-//! What a model's file says that its scene does not show.
+//! Features of a model's file that its scene does not show.
 
 use std::{fmt, path::Path};
 
@@ -11,12 +11,12 @@ pub struct LeftOut {
     pub feature: String,
     /// In how many places the file says it.
     pub places: usize,
-    /// What is shown in its place.
+    /// The replacement that is shown.
     pub instead: String,
 }
 
 impl LeftOut {
-    /// What the file at `path` says in so many places; none where it says it nowhere.
+    /// A `feature` that the file at `path` has in so many places; none where it has it nowhere.
     pub(super) fn new(path: &Path, feature: &str, places: usize, instead: &str) -> Option<Self> {
         (places > 0).then(|| Self {
             file: path

@@ -40,7 +40,7 @@ pub struct Scene {
     pub background: Vec3,
     /// What the air is like; none for air that nothing is seen of.
     pub medium: Option<Medium>,
-    /// What the models' files say that is not shown, each once.
+    /// Features of the models' files that are not shown, each once.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -68,7 +68,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v down; zeros where the file has none.
     pub uvs: Vec<Vec2>,
-    /// Linear RGB and opacity, from 0 to 1, that multiply the material's; none where all would be white.
+    /// Linear RGB and opacity of vertices, from 0 to 1, that multiply the material's; none where all would be white.
     pub colors: Vec<Vec4>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
@@ -148,7 +148,7 @@ impl Shadow {
     pub const NONE: &str = "none";
 }
 
-/// What is made up for a model that comes without a scene.
+/// The ground and sun made up for a model that comes without a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Staging {
     /// A ground under it.
@@ -173,18 +173,18 @@ pub struct Camera {
     pub position: DVec3,
     /// From its axes to the world's; it looks along −z of its own.
     pub rotation: DQuat,
-    /// What it sees across.
+    /// Field of view.
     pub field: Field,
-    /// The nearest that is seen, from the position along the way that it looks; metres. Above 0, but for an orthographic
-    /// camera, which sees behind its position as well.
+    /// The nearest view depth that is seen, from the position along the view's direction; metres. Above 0, except for
+    /// an orthographic camera, which sees behind its position as well.
     pub near: f64,
     /// The farthest that is seen; metres.
     pub far: f64,
 }
 
 impl Camera {
-    /// The camera as a view of a picture of the given size in pixels (both above 0). Whoever reads what a renderer planned
-    /// for a scene wants [`Scene::view`].
+    /// The camera as a view of a picture of the given size in pixels (both above 0). For the view that a renderer plans
+    /// with, see [`Scene::view`].
     pub fn view(&self, width: u32, height: u32) -> View {
         let view = View {
             position: self.position,
@@ -202,9 +202,9 @@ impl Camera {
 }
 
 impl Scene {
-    /// What a picture of the given size in pixels (both above 0) is rendered from: the camera's view. Positions on the
-    /// device and in plans are relative to its position, which is the camera's own unless that is orthographic: then it
-    /// [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
+    /// The camera's view, from which a picture of the given size in pixels (both above 0) is rendered. Positions on the
+    /// device and in plans are relative to the view's position, which is the camera's own unless that is orthographic:
+    /// then it [stands](View::around) before the objects that are seen. In a medium, all from plane to plane is seen.
     pub fn view(&self, width: u32, height: u32) -> View {
         let view = self.camera.view(width, height);
         if !view.projection.is_orthographic() || self.medium.is_some() {
@@ -235,8 +235,8 @@ impl Scene {
         }
     }
 
-    /// Takes away all lights but one, by its place; nothing else changes, and it casts shadows if it did. None where there
-    /// is no such light.
+    /// Removes all lights but the one at this place; nothing else changes, and it casts shadows if it did. None where
+    /// there is no such light.
     pub fn lit_by(mut self, light: usize) -> Option<Self> {
         let kept = self.lights.get(light)?;
         let casts = self.casts_shadow(kept);
@@ -319,7 +319,7 @@ impl Mesh {
 }
 
 impl Mesh {
-    /// The mesh without vertices that no triangle has: several meshes of a file may share one list.
+    /// The mesh without the vertices that no triangle uses: several meshes of a file may share one list.
     fn into_used(self) -> Self {
         let mut places = vec![None; self.positions.len()];
         let mut used = Self::default();

@@ -9,11 +9,12 @@ use umbrage_shadow::{Light, LightKind};
 
 use super::{Object, SceneLight, Shadow, model::Lamp};
 
-/// What the brightest part of a model gets: irradiance, of which π makes a white surface white.
+/// Irradiance of a model's brightest part; an irradiance of π makes a white surface white.
 pub(super) const BRIGHT: f32 = 3.0;
-/// How much of a model's surface that is.
+/// Share of a model's surface that is its brightest part.
 const BRIGHTEST: f64 = 0.01;
-/// How often as far as the farthest thing a light without an end reaches: there its window takes 1/256 of it.
+/// Range of a light without an end, as a multiple of the farthest corner's distance: there the window takes 1/256
+/// of its light.
 const ENDLESS: f64 = 4.0;
 
 /// The lights of a scene of `objects` that `lamps` are, each with the shadow of the sun that is made up for other
@@ -56,7 +57,7 @@ fn end(kind: &mut LightKind, objects: &[Object]) {
     }
 }
 
-/// What all lights are multiplied with.
+/// Factor by which all lights are multiplied.
 fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
     let mut parts = Vec::new();
     for object in objects {
@@ -79,14 +80,14 @@ fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
         left -= area;
         left < 0.0
     });
-    // Where so little of it is lit, the brightest of that.
+    // Where less than that share is lit, the brightest triangle counts.
     let lit = |light: &f64| *light > 0.0;
     let light = brightest.map(|(light, _)| *light).filter(lit);
     let light = light.or_else(|| parts.first().map(|(light, _)| *light).filter(lit));
     light.map_or(1.0, |light| (f64::from(BRIGHT) / light) as f32)
 }
 
-/// What a lamp gives to a surface at `point` that faces it, in its brightest channel.
+/// Irradiance that a lamp gives to a surface at `point` that faces it, in its brightest channel.
 fn irradiance(lamp: &Lamp, point: DVec3) -> f64 {
     let bright = f64::from(lamp.color.max_element());
     let from = |position: DVec3, range: f64| {

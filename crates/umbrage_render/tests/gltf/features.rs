@@ -1,4 +1,4 @@
-//! The table of features says what becomes of each.
+//! The table of features agrees with the reader on each of them.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::maker::{F32, I8, Maker, U8, corners, left_out, triangle};
 
 const TABLE: &str = include_str!("../../src/scene/model/features.md");
 
-/// What the table says of a feature.
+/// Outcome that the table gives for a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     Done,

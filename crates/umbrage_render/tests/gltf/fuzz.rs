@@ -5,7 +5,7 @@ use tempfile::TempDir;
 
 use crate::maker::{Maker, U8, load_in, triangle};
 
-/// A file that has some of all that is read.
+/// A file that has every kind of element that is read.
 fn rich() -> Maker {
     let mut maker = triangle();
     let normals = maker.floats(&[[0.0, 0.0, 1.0]; 3]);

@@ -1,4 +1,4 @@
-//! What cuts a surface: textures as they are transformed, the opacities of vertices, cut-offs.
+//! Cut-out surfaces: transformed textures, the opacities of vertices, cut-offs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -84,7 +84,7 @@ fn a_texture_reads_the_set_that_it_names() {
     let overriding =
         json!({"texCoord": 0, "extensions": {"KHR_texture_transform": {"texCoord": 1}}});
     assert_eq!(with(&overriding), Vec2::new(9.0, 0.0));
-    // What is not there is told.
+    // Missing texture coordinates are told.
     let scene = textured(&json!({"texCoord": 5})).scene();
     assert_eq!(left_out(&scene), [("a missing TEXCOORD_5", 1)]);
 }
@@ -219,7 +219,7 @@ fn pictures_of_all_kinds_keep_their_opacity() {
             .expect("encoded");
         let mut maker = textured(&json!({}));
         let view = maker.view(bytes.get_ref());
-        // A media type that is not the picture's is no hindrance.
+        // A wrong media type does not keep a picture from being read.
         maker.json["images"][0] = json!({"bufferView": view, "mimeType": "image/jpeg"});
         let scene = maker.scene();
         let texture = scene.objects[0]

@@ -69,7 +69,7 @@ fn morphed() -> Maker {
     let normals = maker.floats(&[[0.0, 0.0, 1.0]; 3]);
     maker.attribute("NORMAL", normals);
     let lift = maker.floats(&[[0.0; 3], [0.0; 3], [0.0, 4.0, 0.0]]);
-    // Of what a target does not move, nothing is stored.
+    // A target stores nothing for the vertices that it does not move.
     let (indices, values) = (
         maker.view(&[1]),
         maker.view(&[1.0_f32, 0.0, 0.0].map(f32::to_le_bytes).concat()),
@@ -180,7 +180,7 @@ fn skinned(share: [u8; 2]) -> Maker {
         json!({"joints": [1, 2], "inverseBindMatrices": inverses, "skeleton": 1}),
     );
     maker.json["nodes"][0]["skin"] = json!(0);
-    // By the specification the mesh's own node has no say.
+    // By the specification, the mesh's own node is ignored.
     maker.json["nodes"][0]["translation"] = json!([500, 500, 500]);
     maker.json["scenes"][0]["nodes"] = json!([0, 1]);
     maker
@@ -188,7 +188,7 @@ fn skinned(share: [u8; 2]) -> Maker {
 
 #[test]
 fn skins_bend_meshes_to_their_joints() {
-    // The third vertex is where the second joint turns about: it stays.
+    // The third vertex is at the centre of the second joint's turn: it stays.
     let bind = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let maker = skinned([0, 255]);
     let scene = maker.scene();
@@ -261,7 +261,7 @@ fn joints_may_stand_beside_the_scene_and_vertices_hang_on_many() {
     maker.json["nodes"][2]["translation"] = json!([0, 1, 1]);
     let expected = [[0.0, 0.0, 7.0], [1.0, 0.0, 7.0], [0.0, 1.0, 8.0]];
     assert_near(&corners(&maker.scene(), 0), &expected);
-    // A second set holds with half of all.
+    // A second set of joints has half of the third vertex's weight.
     let mut maker = skinned([0, 255]);
     let joints = maker.accessor(
         "VEC4",

@@ -1,4 +1,4 @@
-//! What is valid is read, and what nothing reads is not looked at.
+//! Valid elements are read, and elements that nothing reads are not looked at.
 
 use std::fs;
 
@@ -96,7 +96,7 @@ fn pictures_that_nothing_draws_may_be_missing() {
         ("textures without a source", 1),
     ];
     assert_eq!(left_out(&scene), expected);
-    // What is drawn must be there.
+    // A picture that is drawn must be there.
     maker.json["textures"][color] = json!({"source": gone});
     assert!(
         maker.refusal().contains("normals.png"),
@@ -105,7 +105,7 @@ fn pictures_that_nothing_draws_may_be_missing() {
     );
 }
 
-/// An accessor that says of elements 1 and 2 what `values` are.
+/// A sparse accessor that gives elements 1 and 2 the `values`.
 fn sparse(
     maker: &mut Maker,
     kind: &str,
@@ -289,7 +289,7 @@ fn normals_and_texture_coordinates_may_be_small_whole_numbers() {
     );
 }
 
-/// The reader of another make reads the same of random data.
+/// An independent reader reads the same from random data.
 #[test]
 fn accessors_read_as_the_gltf_crate_reads_them() {
     let mut state = 7_u32;
@@ -564,7 +564,7 @@ fn files_that_need_what_is_not_known_are_refused_by_its_name() {
         maker.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
         let said = maker.refusal();
         assert!(said.contains(name) && said.contains(remedy), "{said}");
-        // What is only used is told.
+        // An extension that is used but not required is told.
         maker.json["extensionsRequired"] = json!([]);
         maker.json["extensionsUsed"] = json!([name]);
         assert_eq!(left_out(&maker.scene()), [(name, 1)]);

@@ -49,7 +49,7 @@ fn turned(place: Place, name: &str, mesh: Mesh, turn: DQuat, at: DVec3) -> Objec
     object
 }
 
-/// What each pixel sees, in the scene's own coordinates, with its object and shadow term, of `source`.
+/// The object, the point (in the scene's own coordinates) and the shadow term, of `source`, that each pixel sees.
 fn terms_of(place: Place, scene: &Scene, source: Source) -> Vec<(usize, DVec3, Option<f32>)> {
     let tracer = Tracer::new(scene).expect("a sound scene");
     let sight = tracer.look(SIZE.0, SIZE.1, &|| ()).expect("a size");
@@ -111,7 +111,7 @@ fn a_lamp_in_a_ceiling_shines_on_the_floor() {
                 );
                 assert!(seen.len() > 2000);
                 for (object, point, term) in seen {
-                    // What the lamp lies on is neither lit nor in shadow.
+                    // The ceiling, which the lamp lies on, is neither lit nor in shadow.
                     let expected = (object == 0).then_some(1.0);
                     assert_eq!(term, expected, "{point} of {object}, {at}");
                 }
@@ -140,8 +140,8 @@ fn a_lamp_in_a_sheet_shines_to_both_sides() {
     }
 }
 
-/// One step of f64 beside the ceiling no number tells from on it; a trillionth of the scene's coordinates is on one
-/// side. Never is it noise.
+/// A lamp one step of f64 beside the ceiling counts as on it; a lamp a trillionth of the scene's coordinates beside it
+/// is on one side. Neither gives noise.
 #[test]
 fn a_hair_decides_or_does_not() {
     for place in PLACES {
@@ -215,7 +215,7 @@ fn a_lamp_on_a_box_shines_past_it() {
     }
 }
 
-/// As a box's corner, with many faces that meet in it; and from inside of a ball, nothing is lit.
+/// A lamp on a vertex where many faces meet is as one on a box's corner; from inside of a ball, nothing is lit.
 #[test]
 fn a_lamp_on_a_ball_or_in_it() {
     for place in PLACES {
@@ -334,7 +334,7 @@ fn a_ball_of_light_in_the_ceiling_is_half_a_moon() {
     }
 }
 
-/// In the air too, and seen from the lamp's own place nothing is.
+/// The air on both sides of a sheet that a lamp lies in is lit.
 #[test]
 fn the_air_about_a_lamp_in_a_sheet_is_lit() {
     let at = DVec3::new(0.2, 2.9, 0.1);
@@ -354,7 +354,7 @@ fn the_air_about_a_lamp_in_a_sheet_is_lit() {
     }
 }
 
-/// What a lamp does not lie on shades as ever, be it a micrometre away.
+/// Surfaces that a lamp does not lie on shade as usual, even a micrometre away.
 #[test]
 fn what_is_next_to_a_lamp_shades() {
     let scene = |gap: f64| {

@@ -1,4 +1,4 @@
-//! Reads a glTF file's accessors, believing nothing that they say of themselves.
+//! Reads a glTF file's accessors; everything that they declare is checked.
 
 use serde::Deserialize;
 
@@ -100,7 +100,7 @@ impl Component {
         }
     }
 
-    /// The greatest number, which in indices would mean a restart.
+    /// The type's greatest number, which as an index would mean a primitive restart.
     fn greatest(self) -> u32 {
         match self {
             Self::U8 => u8::MAX.into(),
@@ -135,8 +135,8 @@ impl Document<'_> {
         })
     }
 
-    /// Vectors of `N` finite numbers, or matrices of as many, by columns; of any type but whole numbers of 32
-    /// bits, from −1 or 0 to 1 where they are normalised.
+    /// Vectors of `N` finite numbers, or matrices of as many, by columns; of any type except 32-bit whole numbers;
+    /// from −1 or 0 to 1 where they are normalised.
     pub(super) fn floats<const N: usize>(
         &self,
         index: Whole,

@@ -1,5 +1,5 @@
-//! A glTF file as it stands: its JSON, of which an element is decoded when it is read and no sooner, and the
-//! data that it names.
+//! A glTF file as it is stored: its JSON, each element of which is decoded only when it is read, and the data that
+//! it names.
 
 use std::{borrow::Cow, cell::OnceCell, path::Path};
 
@@ -219,7 +219,7 @@ impl<'a> Document<'a> {
             (Some(file), _) => read(&file),
             (None, Some(name)) => {
                 let path = folder.join(name);
-                // A folder or a device: some of these never end.
+                // Folders and devices are refused: reading some of them never ends.
                 if path.exists() {
                     let source = std::io::Error::other("it is no file");
                     return Err(SceneError::Unreadable { path, source });
@@ -233,7 +233,7 @@ impl<'a> Document<'a> {
 
 const REMEDY: &str = "mend the model and export it again";
 
-/// The JSON and the first binary chunk of a binary file; what else there is, extensions put there.
+/// The JSON and the first binary chunk of a binary file; any other chunks belong to extensions.
 fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let word = |bytes: &[u8], place: usize| {
         let word = bytes.get(place..place + 4)?;
@@ -269,7 +269,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((json, binary))
 }
 
-/// What a data URI holds, of which `rest` is what follows the scheme.
+/// Bytes that a data URI holds; `rest` is the URI after its scheme.
 fn own_data(rest: &str) -> Result<Vec<u8>, String> {
     let forgiving = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)

@@ -1,4 +1,4 @@
-//! Finds what a glTF file says that the model leaves out, and tells it by its name.
+//! Finds the features of a glTF file that the model leaves out, and tells them by name.
 
 use std::{
     cell::RefCell,
@@ -19,7 +19,7 @@ const DONE: [&str; 5] = [
     "KHR_texture_transform",
 ];
 
-/// What was left out so far: by its name what is shown in its place, and where the file says it.
+/// Features left out so far, by name: the replacement that is shown, and where the file has the feature.
 #[derive(Default)]
 pub(super) struct Notes(RefCell<BTreeMap<String, (String, BTreeSet<String>)>>);
 
@@ -65,8 +65,8 @@ pub(super) fn check_required(document: &Document<'_>) -> Result<(), SceneError> 
     Err(SceneError::invalid(document.path, place, problem, remedy))
 }
 
-/// Notes what the file says as a whole; `scene` is the number of the one that is read. What must be decoded to
-/// be known is noted where it is.
+/// Notes the features of the file as a whole; `scene` is the number of the scene that is read. Features that show
+/// only when an element is decoded are noted there.
 pub(super) fn note(document: &Document<'_>, scene: usize, notes: &Notes) {
     let each = |list: &'static str| {
         let elements = document.list(list).iter().enumerate();
@@ -180,7 +180,7 @@ fn note_primitive(primitive: &Value, place: &str, notes: &Notes) {
     }
 }
 
-/// Where each extension is used, by its name. What an application put into `extras` is its own.
+/// Where each extension is used, by its name. `extras` are skipped: their contents are the application's own.
 fn find_extensions<'a>(value: &'a Value, place: &str, found: &mut BTreeMap<&'a str, Vec<String>>) {
     match value {
         Value::Array(elements) => {
@@ -202,7 +202,7 @@ fn find_extensions<'a>(value: &'a Value, place: &str, found: &mut BTreeMap<&'a s
     }
 }
 
-/// What is shown where an extension is not.
+/// The replacement that is shown for an extension.
 fn without(name: &str) -> &'static str {
     match name {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {

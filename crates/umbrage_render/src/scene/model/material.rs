@@ -96,7 +96,7 @@ struct ImageFile {
 /// A material, and what a mesh must know to be drawn with it.
 pub(super) struct Look {
     material: Arc<Material>,
-    /// For meshes that are less than opaque themselves, where what is blended is not.
+    /// For meshes that are less than opaque themselves, where the blended material is not.
     cut: Option<Arc<Material>>,
     pub(super) uvs: Uvs,
     place: String,
@@ -120,10 +120,10 @@ impl Uvs {
     }
 }
 
-/// What of materials was read.
+/// Materials read so far.
 #[derive(Default)]
 pub(super) struct Looks {
-    /// By their numbers; none for that of primitives which name none.
+    /// By their numbers; none is the key of the default material, for primitives that name no material.
     looks: BTreeMap<Option<Whole>, Arc<Look>>,
     images: BTreeMap<Whole, Arc<Image>>,
 }
@@ -210,8 +210,8 @@ impl Reader<'_> {
         Ok(look)
     }
 
-    /// The material of a mesh whose vertices have these colours. What is blended is opaque where nothing is
-    /// less: exporters write it for such surfaces all the same.
+    /// The material of a mesh whose vertices have these colours. A blended material counts as opaque where nothing is
+    /// less than opaque: exporters write blending for such surfaces all the same.
     pub(super) fn material(&self, look: &Look, colors: &[Vec4]) -> Arc<Material> {
         match &look.cut {
             Some(cut) if colors.iter().any(|color| color.w < 1.0) => {

@@ -46,7 +46,7 @@ struct SkinFile {
     inverse_bind_matrices: Option<Whole>,
 }
 
-/// What decides the shape of a mesh: its number, how far each morph target is taken, and the skin that moves it.
+/// Everything that decides the shape of a mesh: its number, its morph targets' weights, and the skin that moves it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Pose {
     mesh: Whole,
@@ -64,7 +64,7 @@ pub(super) struct Shape {
     pub(super) placed: Option<DAffine3>,
 }
 
-/// What of meshes was read.
+/// Meshes read so far.
 #[derive(Default)]
 pub(super) struct Shapes {
     looks: Looks,
@@ -113,7 +113,7 @@ impl Reader<'_> {
                 let problem = format!("its mode {mode} is none of glTF's");
                 return Err(self.document.invalid(&place, problem));
             }
-            // What is not drawn is told with all else that the file says.
+            // Primitives that are not drawn are noted with the file's other left-out features.
             if mode < TRIANGLES || !primitive.attributes.contains_key("POSITION") {
                 continue;
             }
@@ -131,7 +131,7 @@ impl Reader<'_> {
         Ok((file.name, shapes))
     }
 
-    /// Where each joint takes what it holds, from the mesh to the scene.
+    /// Transform of each joint's vertices, from the mesh to the scene.
     fn skin(&self, index: Whole, by: &str) -> Result<Vec<DAffine3>, SceneError> {
         let skin: SkinFile = self.document.element("skins", index, by)?;
         let place = format!("skins[{}]", index.0);
@@ -265,7 +265,7 @@ impl Vertices<'_, '_> {
         }
     }
 
-    /// What a texture is looked up by; zeros where none is.
+    /// Texture coordinates of `count` vertices; zeros where no texture is looked up.
     fn uvs(&self, uvs: Uvs, count: usize) -> Result<Vec<Vec2>, SceneError> {
         let none = || vec![Vec2::ZERO; count];
         let Some(set) = uvs.set.or(self.reader.textured.then_some(0)) else {
@@ -317,8 +317,8 @@ impl Vertices<'_, '_> {
         }
     }
 
-    /// Bends the mesh to where `joints` hold its vertices, and tells where it stands then: from the mesh to the
-    /// scene.
+    /// Bends the mesh to where `joints` hold its vertices, and returns the transform that it then has: from the mesh
+    /// to the scene.
     fn bend(&self, mesh: &mut Mesh, joints: &[DAffine3]) -> Result<DAffine3, SceneError> {
         let holds = self.holds(mesh.positions.len(), joints)?;
         let place =
@@ -348,7 +348,7 @@ impl Vertices<'_, '_> {
         Ok(DAffine3::from_translation(middle))
     }
 
-    /// Where each vertex is taken: the mean of its joints by their weights, or its first joint without any.
+    /// Transform of each vertex: the mean of its joints' by their weights, or its first joint's without any weight.
     fn holds(&self, count: usize, joints: &[DAffine3]) -> Result<Vec<DAffine3>, SceneError> {
         let zero = DAffine3::from_mat3_translation(DMat3::ZERO, DVec3::ZERO);
         let mut holds = vec![(zero, 0.0_f64, None); count];

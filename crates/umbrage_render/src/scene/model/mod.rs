@@ -1,9 +1,9 @@
-//! Reads glTF 2.0 models, text or binary, believing nothing that they say of themselves.
+//! Reads glTF 2.0 models, text or binary; everything that they declare is checked before it is used.
 //!
-//! A file's JSON is kept as it stands, and an element of it is decoded when it is read: what nothing reads is
-//! neither decoded nor checked. What moves or cuts a shadow is read; what the file says beyond that is told by its
-//! name in the scene's [`left_out`](super::Scene::left_out); a file that must not be read without something else
-//! (`extensionsRequired`) is refused by the name of that.
+//! A file's JSON is kept as it is, and each element is decoded when it is read: elements that nothing reads are
+//! neither decoded nor checked. Features that move or cut a shadow are read; the file's other features are told by
+//! name in the scene's [`left_out`](super::Scene::left_out); a file that requires another extension
+//! (`extensionsRequired`) is refused, and the message names it.
 #![doc = include_str!("features.md")]
 
 mod accessor;
@@ -27,13 +27,13 @@ use self::{
 };
 use super::{LeftOut, Material, Mesh, SceneError, error::read};
 
-/// What a model's file holds.
+/// Contents of a model's file.
 pub(super) struct Model {
     /// One at the least.
     pub(super) parts: Vec<Part>,
     pub(super) lamps: Vec<Lamp>,
     pub(super) eyes: Vec<Eye>,
-    /// What it says beside.
+    /// Features of the file that the model leaves out.
     pub(super) left_out: Vec<LeftOut>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn load(path: &Path, textured: bool) -> Result<Model, SceneError> {
     let (mut parts, mut lamps, mut eyes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Shapes::default();
     for placed in &nodes {
-        // Who looks need not be seen.
+        // A camera counts even where its node is hidden.
         eyes.extend(reader.eye(placed)?);
         if placed.is_visible {
             lamps.extend(reader.light(placed)?);

@@ -182,7 +182,7 @@ fn unit(rotation: DQuat, place: &str, notes: &Notes) -> DQuat {
 }
 
 impl Reader<'_> {
-    /// Where a node stands that `by` names: in the scene, or beside it.
+    /// The transform of the node that `by` names, whether the node is in the scene or not.
     pub(super) fn world(&self, index: Whole, by: &str) -> Result<DAffine3, SceneError> {
         if let Some(world) = self.worlds.get(&index) {
             return Ok(*world);
@@ -227,7 +227,7 @@ impl Reader<'_> {
         ];
         let mut counts = counts.into_iter().flatten();
         let Some(count) = counts.next() else {
-            // Attributes of an application's own alone: how many there are, they do not say where.
+            // Attributes of an application's own only: they give the number of instances, but no places.
             return Ok(vec![DAffine3::IDENTITY]);
         };
         if let Some(other) = counts.find(|other| *other != count) {
