@@ -15,14 +15,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Module};
 use rustc_hash::FxHashMap;
-use wgsl_parse::syntax::GlobalDeclaration;
 
 use crate::{
-    Cause, Fault, Library,
-    error::Place,
-    fetches::callees,
-    names::{self, Item},
-    reach::FunctionId,
+    Cause, Fault, Library, error::Place, fetches::callees, names::Item, reach::FunctionId,
     stubs::JOINT,
 };
 
@@ -81,26 +76,36 @@ type Implementations = BTreeMap<usize, BTreeMap<usize, BTreeSet<Handle<Function>
 /// The linked modules that implement every function of an interface, and these functions.
 fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     let library = origins.library;
-    let declared = |module: usize| -> Result<BTreeSet<String>, Fault> {
-        let declarations = &library.syntax(module)?.tree.global_declarations;
-        let functions = declarations
-            .iter()
-            .filter(|node| matches!(node.node(), GlobalDeclaration::Function(_)));
-        Ok(functions.filter_map(|node| names::declared(node)).collect())
-    };
+    let mut linked: BTreeMap<usize, Vec<(Handle<Function>, &String)>> = BTreeMap::new();
+    for (handle, id) in origins.functions {
+        if let Some(name) = origins.names.get(id) {
+            linked.entry(id.0).or_default().push((*handle, name));
+        }
+    }
     let mut found = Implementations::new();
     for (interface, source) in library.sources().iter().enumerate() {
-        // No linked module has an interface that does not parse.
-        if !source.is_interface() || library.syntax(interface).is_err() {
+        if !source.is_interface() {
             continue;
         }
-        let contract = declared(interface)?;
-        for (handle, id) in origins.functions {
-            let name = origins.names.get(id);
-            let name = name.filter(|name| contract.contains(*name));
-            if name.is_some() && contract.is_subset(&declared(id.0)?) {
+        // No linked module has an interface that does not parse.
+        let Ok(contract) = library.syntax(interface) else {
+            continue;
+        };
+        for (module, functions) in &linked {
+            if !contract
+                .functions
+                .is_subset(&library.syntax(*module)?.functions)
+            {
+                continue;
+            }
+            let implementing = functions
+                .iter()
+                .filter(|(_, name)| contract.functions.contains(*name))
+                .map(|(handle, _)| *handle);
+            let implementing: BTreeSet<_> = implementing.collect();
+            if !implementing.is_empty() {
                 let modules = found.entry(interface).or_default();
-                modules.entry(id.0).or_default().insert(*handle);
+                modules.insert(*module, implementing);
             }
         }
     }

@@ -51,7 +51,7 @@ impl Permutation {
             root,
             module: &linked.module,
         };
-        subject.check_before_validation()?;
+        let constants = subject.check_before_validation()?;
         let info = validate(&linked.module, target)
             .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
         let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
@@ -60,7 +60,7 @@ impl Permutation {
         });
         let owner = |handle| linked.owners.get(&handle).map(declared);
         let reflection = reflect(&linked.module, &info, owner, settable);
-        subject.check(&info, &reflection)?;
+        subject.check(&info, &reflection, &constants)?;
         let places = Places {
             library,
             filters: &linked.filters,

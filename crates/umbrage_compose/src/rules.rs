@@ -18,7 +18,7 @@ use naga::{EntryPoint, Function, GlobalVariable, Handle, Module, Span, valid::Mo
 
 use crate::{Cause, Fault, Library, Reflection, Target, target::Limit};
 
-use constants::Constants;
+pub(crate) use constants::Constants;
 
 /// A fault in a module's text.
 pub(crate) struct Problem {
@@ -58,21 +58,24 @@ pub(crate) struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     /// Checks the limits that naga's validator would enforce without naming them.
-    pub(crate) fn check_before_validation(&self) -> Result<(), Fault> {
-        limits::workgroup_sizes(self, &self.constants()?)
+    pub(crate) fn check_before_validation(&self) -> Result<Constants<'a>, Fault> {
+        let constants = Constants::new(self.module).map_err(|problem| self.fault(problem))?;
+        limits::workgroup_sizes(self, &constants)?;
+        Ok(constants)
     }
 
-    /// Checks a valid module, with its `info` and `reflection`.
-    pub(crate) fn check(&self, info: &ModuleInfo, reflection: &Reflection) -> Result<(), Fault> {
+    /// Checks a valid module, with its `info`, `reflection` and `constants`.
+    pub(crate) fn check(
+        &self,
+        info: &ModuleInfo,
+        reflection: &Reflection,
+        constants: &Constants<'a>,
+    ) -> Result<(), Fault> {
         // Check again, now that calls lead into other modules.
         aliases::check(self.module).map_err(|problem| self.fault(problem))?;
         stages::check(self, info)?;
         varyings::check(self)?;
-        limits::check(self, info, reflection, &self.constants()?)
-    }
-
-    fn constants(&self) -> Result<Constants<'a>, Fault> {
-        Constants::new(self.module).map_err(|problem| self.fault(problem))
+        limits::check(self, info, reflection, constants)
     }
 
     fn fault(&self, problem: Problem) -> Fault {

@@ -1,14 +1,14 @@
 //! Modules: a text, its syntax tree, and the tokens of what the tree gives no places for.
 
-use std::{ops::Range, sync::Arc};
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use wgsl_parse::{
     error::ErrorKind,
     lexer::{Lexer, Token},
-    syntax::TranslationUnit,
+    syntax::{GlobalDeclaration, TranslationUnit},
 };
 
-use crate::{Cause, Fault, error::Place, limits};
+use crate::{Cause, Fault, error::Place, limits, names::declared};
 
 /// A module's text.
 #[derive(Debug)]
@@ -33,6 +33,8 @@ pub(crate) struct Source {
 pub(crate) struct Syntax {
     pub(crate) tree: TranslationUnit,
     pub(crate) tokens: Vec<(Token, Range<usize>)>,
+    /// Names of all functions, whatever features they stand under.
+    pub(crate) functions: BTreeSet<String>,
 }
 
 impl Source {
@@ -117,7 +119,16 @@ impl Source {
                 advice => fault.note(advice),
             }
         })?;
-        Ok(Syntax { tree, tokens })
+        let functions = tree
+            .global_declarations
+            .iter()
+            .filter(|node| matches!(node.node(), GlobalDeclaration::Function(_)))
+            .filter_map(|node| declared(node));
+        Ok(Syntax {
+            functions: functions.collect(),
+            tree,
+            tokens,
+        })
     }
 
     /// Message for a `range` that the parser does not know, where it is a native extension of WGSL.

@@ -10,6 +10,7 @@
 //! Uniformity is decided for two [`Scope`]s, as browsers do: among the invocations of a subgroup for subgroup
 //! operations, and among those of a workgroup, a quad or a draw for all others.
 
+mod early;
 mod graph;
 mod report;
 mod walk;
@@ -33,6 +34,9 @@ pub(crate) use walk::for_each_operand;
 /// Checks the module. Returns a fault for the first error, and otherwise the faults that the author's filters
 /// reduce to warnings.
 pub(crate) fn check(module: &Module, places: &Places<'_>) -> Result<Vec<Fault>, Fault> {
+    if early::all_early(module) {
+        return Ok(Vec::new());
+    }
     let wanted = wanted(module);
     let mut check = Check {
         module,

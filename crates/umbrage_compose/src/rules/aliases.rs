@@ -11,6 +11,13 @@ use naga::{
 use super::{Problem, functions};
 
 pub(super) fn check(module: &Module) -> Result<(), Problem> {
+    let takes_pointer = |function: &Function| {
+        let mut arguments = function.arguments.iter();
+        arguments.any(|argument| module.types[argument.ty].inner.pointer_space().is_some())
+    };
+    if !module.functions.iter().any(|(_, f)| takes_pointer(f)) {
+        return Ok(());
+    }
     // Callees come before their callers.
     let mut known = Vec::new();
     for function in functions(module) {

@@ -20,7 +20,7 @@ use super::{
 pub(super) const BITS: i64 = 32;
 
 /// Constant values of the module-scope expressions, by their indices.
-pub(super) struct Constants<'a> {
+pub(crate) struct Constants<'a> {
     module: &'a Module,
     values: Vec<Option<Value>>,
 }
