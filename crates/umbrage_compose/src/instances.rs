@@ -43,7 +43,7 @@ pub(crate) struct Origins<'a> {
     /// Names of the functions as their authors wrote them.
     pub(crate) names: &'a FxHashMap<FunctionId, String>,
     pub(crate) variables: &'a FxHashMap<Handle<GlobalVariable>, Item>,
-    /// The calls of each module, in a fixed order.
+    /// The calls from module to module, in a fixed order.
     pub(crate) calls: &'a [Call],
 }
 
@@ -118,7 +118,7 @@ fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
     let mut first: BTreeMap<(usize, FunctionId), &Call> = BTreeMap::new();
     let mut twice = Vec::new();
     for call in origins.calls {
-        if call.module == call.target.0 || !linked.contains(&call.target) {
+        if !linked.contains(&call.target) {
             continue;
         }
         let known = first.entry((call.module, call.target)).or_insert(call);
@@ -132,6 +132,9 @@ fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
 /// Name that the caller itself chose for `item` or for its module, in the call `name`; none where the call uses
 /// their own names.
 pub(crate) fn alias(library: &Library, name: &str, item: &Item) -> Option<String> {
+    if name == item.name {
+        return None;
+    }
     let parts: Vec<_> = name.split(JOINT).collect();
     let own = match *parts.as_slice() {
         [_] => Some(item.name.as_str()),
@@ -384,7 +387,7 @@ impl<'a> Graph<'a> {
             .filter_map(|handle| self.origins.functions.get(handle))
             .collect();
         let mut calls = self.origins.calls.iter();
-        let call = calls.find(|call| call.module != module && targets.contains(&&call.target));
+        let call = calls.find(|call| targets.contains(&&call.target));
         match call {
             Some(call) => self.call(call, label),
             None => self

@@ -121,10 +121,13 @@ impl Targets<'_> {
         Ok(target)
     }
 
-    /// Calls that were followed, ordered by module and then by the unit's numbers of the called functions.
+    /// Calls from module to module that were followed, ordered by the calling module and the names that it calls by.
     fn calls(&self) -> Result<Vec<Call>, Fault> {
         let mut calls = Vec::new();
         for (&(module, called), &target) in &self.known {
+            if target.0 == module {
+                continue;
+            }
             let unit = self.unit(module)?;
             let item = &unit.functions[&called];
             let name = unit.module.functions[called].name.clone();

@@ -14,6 +14,8 @@ mod stages;
 mod value;
 mod varyings;
 
+use std::fmt;
+
 use naga::{EntryPoint, Function, GlobalVariable, Handle, Module, Span, valid::ModuleInfo};
 
 use crate::{Cause, Fault, Library, Reflection, Target, target::Limit};
@@ -121,7 +123,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Checks that the number `found` is within `limit`; `what` describes it.
-    fn limit(&self, limit: Limit, found: u64, what: &str) -> Result<(), String> {
+    fn limit(&self, limit: Limit, found: u64, what: fmt::Arguments<'_>) -> Result<(), String> {
         let most = self.target.limit(limit);
         if found <= most {
             return Ok(());

@@ -1,5 +1,7 @@
 //! Limits of a device.
 
+use std::fmt;
+
 use naga::{
     AddressSpace, ArraySize, BuiltIn, EntryPoint, GlobalVariable, Handle, Module, ShaderStage,
     Type, TypeInner,
@@ -22,7 +24,12 @@ pub(super) fn check(
     for binding in &reflection.bindings {
         binding_within(subject, binding)?;
     }
-    for stage in [Stage::Vertex, Stage::Fragment, Stage::Compute] {
+    let stages = [
+        (Stage::Vertex, "vertex"),
+        (Stage::Fragment, "fragment"),
+        (Stage::Compute, "compute"),
+    ];
+    for stage in stages {
         bindings_of_stage(subject, reflection, stage)?;
     }
     for (index, entry) in subject.module.entry_points.iter().enumerate() {
@@ -68,15 +75,15 @@ pub(super) fn workgroup_sizes(
                 ))
                 .note("a workgroup has a size of 1 at the least"));
             }
-            let what = format!("invocations along {axis} are in a workgroup of `{name}`");
+            let what = format_args!("invocations along {axis} are in a workgroup of `{name}`");
             subject
-                .limit(limit, size as u64, &what)
+                .limit(limit, size as u64, what)
                 .map_err(|message| refuse(message).note("make the workgroup smaller"))?;
             invocations = invocations.saturating_mul(size as u64);
         }
-        let what = format!("invocations are in a workgroup of `{name}`");
+        let what = format_args!("invocations are in a workgroup of `{name}`");
         subject
-            .limit(Limit::ComputeInvocationsPerWorkgroup, invocations, &what)
+            .limit(Limit::ComputeInvocationsPerWorkgroup, invocations, what)
             .map_err(|message| refuse(message).note("make the workgroup smaller"))?;
     }
     Ok(())
@@ -92,29 +99,29 @@ fn at_binding(subject: &Subject<'_>, binding: &Binding, message: String) -> Faul
 
 fn binding_within(subject: &Subject<'_>, binding: &Binding) -> Result<(), Fault> {
     let name = &binding.name;
-    let within = |limit, found, what: &str, advice: &str| {
+    let within = |limit, found, what: fmt::Arguments<'_>, advice: &str| {
         subject
             .limit(limit, found, what)
             .map_err(|message| at_binding(subject, binding, message).note(advice))
     };
-    let what = format!("bind groups are needed for `{name}`");
+    let what = format_args!("bind groups are needed for `{name}`");
     let advice = "groups count from 0; use a lower one";
     within(
         Limit::BindGroups,
         u64::from(binding.group) + 1,
-        &what,
+        what,
         advice,
     )?;
-    let what = format!("binding numbers are needed for `{name}`");
+    let what = format_args!("binding numbers are needed for `{name}`");
     let advice = "bindings count from 0 in each group; use a lower one";
     let number = u64::from(binding.binding) + 1;
-    within(Limit::BindingsPerBindGroup, number, &what, advice)?;
-    let what = |kind: &str| format!("bytes are in the {kind} buffer `{name}`");
+    within(Limit::BindingsPerBindGroup, number, what, advice)?;
+
     match &binding.kind {
         BindingKind::Uniform(layout) => within(
             Limit::UniformBufferBindingSize,
             layout.size.into(),
-            &what("uniform"),
+            format_args!("bytes are in the uniform buffer `{name}`"),
             "make it smaller, or a storage buffer",
         ),
         BindingKind::Storage {
@@ -124,7 +131,7 @@ fn binding_within(subject: &Subject<'_>, binding: &Binding) -> Result<(), Fault>
         } => within(
             Limit::StorageBufferBindingSize,
             layout.size.into(),
-            &what("storage"),
+            format_args!("bytes are in the storage buffer `{name}`"),
             "make it smaller, or a run-time array that is bound in parts",
         ),
         _ => Ok(()),
@@ -134,7 +141,7 @@ fn binding_within(subject: &Subject<'_>, binding: &Binding) -> Result<(), Fault>
 fn bindings_of_stage(
     subject: &Subject<'_>,
     reflection: &Reflection,
-    stage: Stage,
+    (stage, stage_name): (Stage, &str),
 ) -> Result<(), Fault> {
     type IsKind = fn(&BindingKind) -> bool;
     let kinds: [(&str, Limit, IsKind); 5] = [
@@ -168,12 +175,9 @@ fn bindings_of_stage(
             .iter()
             .filter(|binding| binding.stages.contains(&stage));
         let used: Vec<_> = used.filter(|binding| kind(&binding.kind)).collect();
-        let what = format!(
-            "{what} in the {} stage",
-            format!("{stage:?}").to_lowercase()
-        );
+        let what = format_args!("{what} in the {stage_name} stage");
         subject
-            .limit(limit, used.len() as u64, &what)
+            .limit(limit, used.len() as u64, what)
             .map_err(|message| {
                 let fault = match used.last() {
                     Some(last) => at_binding(subject, last, message),
@@ -249,15 +253,15 @@ fn located(
     let refuse = |message| subject.at_entry(entry, &last.name, message);
     let count = all.located.len() as u64 + more;
     subject
-        .limit(limit, count, &format!("{what} by `{}`", entry.name))
+        .limit(limit, count, format_args!("{what} by `{}`", entry.name))
         .map_err(|message| refuse(message).note("use fewer, or pack them together"))?;
     let locations = u64::from(*location) + 1;
-    let what = format!(
+    let what = format_args!(
         "locations are needed for location {location} of `{}`",
         entry.name
     );
     subject
-        .limit(limit, locations, &what)
+        .limit(limit, locations, what)
         .map_err(|message| refuse(message).note("locations count from 0; use a lower one"))
 }
 
@@ -284,9 +288,9 @@ fn workgroup_memory(
             largest = Some((size, handle));
         }
     }
-    let what = format!("bytes of workgroup memory are used by `{}`", entry.name);
+    let what = format_args!("bytes of workgroup memory are used by `{}`", entry.name);
     subject
-        .limit(Limit::ComputeWorkgroupStorageSize, bytes, &what)
+        .limit(Limit::ComputeWorkgroupStorageSize, bytes, what)
         .map_err(|message| {
             let fault = match largest {
                 Some((_, handle)) => subject.at_variable(handle, message),
