@@ -76,36 +76,34 @@ type Implementations = BTreeMap<usize, BTreeMap<usize, BTreeSet<Handle<Function>
 /// The linked modules that implement every function of an interface, and these functions.
 fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     let library = origins.library;
-    let mut linked: BTreeMap<usize, Vec<(Handle<Function>, &String)>> = BTreeMap::new();
+    let mut linked: FxHashMap<&str, Vec<(usize, Handle<Function>)>> = FxHashMap::default();
     for (handle, id) in origins.functions {
         if let Some(name) = origins.names.get(id) {
-            linked.entry(id.0).or_default().push((*handle, name));
+            linked.entry(name).or_default().push((id.0, *handle));
         }
     }
     let mut found = Implementations::new();
-    for (interface, source) in library.sources().iter().enumerate() {
-        if !source.is_interface() {
-            continue;
-        }
+    for &interface in library.interfaces() {
         // No linked module has an interface that does not parse.
         let Ok(contract) = library.syntax(interface) else {
             continue;
         };
-        for (module, functions) in &linked {
-            if !contract
-                .functions
-                .is_subset(&library.syntax(*module)?.functions)
-            {
-                continue;
-            }
-            let implementing = functions
-                .iter()
-                .filter(|(_, name)| contract.functions.contains(*name))
-                .map(|(handle, _)| *handle);
-            let implementing: BTreeSet<_> = implementing.collect();
-            if !implementing.is_empty() {
-                let modules = found.entry(interface).or_default();
-                modules.insert(*module, implementing);
+        let named = contract.functions.iter();
+        let named = named.filter_map(|name| linked.get(name.as_str())).flatten();
+        let mut modules: BTreeMap<usize, BTreeSet<_>> = BTreeMap::new();
+        for (module, handle) in named {
+            modules.entry(*module).or_default().insert(*handle);
+        }
+        if modules.len() < 2 {
+            continue;
+        }
+        for (module, functions) in modules {
+            let declared = &library.syntax(module)?.functions;
+            if contract.functions.is_subset(declared) {
+                found
+                    .entry(interface)
+                    .or_default()
+                    .insert(module, functions);
             }
         }
     }

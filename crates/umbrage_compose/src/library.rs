@@ -25,6 +25,8 @@ struct Inner {
     sources: Vec<Source>,
     syntax: Vec<OnceLock<Result<Syntax, Fault>>>,
     by_path: HashMap<String, usize>,
+    /// The modules that are interfaces.
+    interfaces: Vec<usize>,
     axes: Axes,
     features: FeatureNames,
 }
@@ -107,11 +109,15 @@ impl Library {
                 }),
             };
         }
+        let interfaces = sources.iter().enumerate();
+        let interfaces = interfaces.filter(|(_, source)| source.is_interface());
+        let interfaces = interfaces.map(|(module, _)| module).collect();
         let library = Self(Arc::new(Inner {
             packages: entries,
             syntax: sources.iter().map(|_| OnceLock::new()).collect(),
             sources,
             by_path,
+            interfaces,
             axes,
             features,
         }));
@@ -150,6 +156,11 @@ impl Library {
 
     pub(crate) fn sources(&self) -> &[Source] {
         &self.0.sources
+    }
+
+    /// The modules that are interfaces, by number.
+    pub(crate) fn interfaces(&self) -> &[usize] {
+        &self.0.interfaces
     }
 
     pub(crate) fn source(&self, module: usize) -> &Source {
