@@ -254,7 +254,10 @@ impl Reader<'_> {
             }),
             None => Err(
                 Fault::new(Cause::Syntax, format!("`{severity}` is no severity"))
-                    .at(self.source.find(severity))
+                    .at(self.source.place(match self.tokens.get(open + 1) {
+                        Some((_, range)) => range.clone(),
+                        None => 0..0,
+                    }))
                     .note("write `off`, `info`, `warning` or `error`"),
             ),
         }

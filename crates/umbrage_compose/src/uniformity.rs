@@ -5,7 +5,7 @@
 //! (`graph`, `walk`). An operation demands that no path leads from its control flow (or its operand) to a source of
 //! non-uniformity. Paths that end at the function's start, or at a parameter, become demands on its callers: they
 //! make up the function's [`Summary`]. Naga puts callees before callers, so one pass over the module is enough.
-//! Each edge is walked once per scope, so the time is linear in the module's size.
+//! Where every operation stands before any branch, no graph is made (`early`).
 //!
 //! Uniformity is decided for two [`Scope`]s, as browsers do: among the invocations of a subgroup for subgroup
 //! operations, and among those of a workgroup, a quad or a draw for all others.

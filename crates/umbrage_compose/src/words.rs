@@ -358,7 +358,7 @@ fn without_handles_in(mut rest: &str, out: &mut String) {
         let number = rest[start + 1..start + length].parse::<u64>();
         match number {
             Ok(number) if before.ends_with(|c: char| c.is_alphanumeric()) => {
-                out.push_str(&format!("{before} {}", number + 1));
+                out.push_str(&format!("{before} {}", number.saturating_add(1)));
             }
             Ok(_) => {
                 out.push_str(before.trim_end());

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use naga::{Module, Span, TypeInner};
+use naga::{ArraySize, Module, Span, TypeInner};
 use wgsl_parse::lexer::{Lexer, Token};
 
 use super::Problem;
@@ -46,9 +46,12 @@ pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
                         continue;
                     }
                     let size = module.types[member.ty].inner.size(module.to_ctx());
-                    let end = member.offset + size.next_multiple_of(wanted);
+                    let end = size.checked_next_multiple_of(wanted);
+                    let end = end.and_then(|size| member.offset.checked_add(size));
                     let next = members.get(index + 1);
-                    if member.offset % wanted != 0 || next.is_some_and(|next| next.offset < end) {
+                    if member.offset % wanted != 0
+                        || next.is_some_and(|next| end.is_none_or(|end| next.offset < end))
+                    {
                         let name = member.name.as_deref().unwrap_or_default();
                         let place = places.get(name).copied();
                         return Err(Problem {
@@ -69,23 +72,13 @@ pub(super) fn check(module: &Module, text: &str) -> Result<(), Problem> {
     Ok(())
 }
 
-/// For each struct, the largest alignment that a member asks for by a number or a constant, and the places of its
-/// members' names.
+/// For each struct, the largest alignment that a member asks for, and the places of its members' names.
 fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
     let tokens: Vec<_> = Lexer::new(text).flatten().collect();
     let word = |index: usize| {
         let token = tokens.get(index);
         token.map_or("", |(start, _, end)| &text[*start..*end])
     };
-    let literal = |word: &str| word.trim_end_matches(['u', 'i']).parse::<u32>().ok();
-    // Naga drops constants of abstract type, so they are read from the text.
-    let constants: BTreeMap<&str, u32> = (0..tokens.len())
-        .filter(|index| word(*index) == "const")
-        .filter_map(|index| {
-            let equals = (index..tokens.len()).find(|index| word(*index) == "=")?;
-            Some((word(index + 1), literal(word(equals + 1))?))
-        })
-        .collect();
     let mut asked: BTreeMap<&str, (u32, BTreeMap<&str, Span>)> = BTreeMap::new();
     let mut current = None;
     for (index, (start, token, end)) in tokens.iter().enumerate() {
@@ -93,8 +86,21 @@ fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
             Token::KwStruct => current = Some(word(index + 1)),
             Token::SymBraceRight => current = None,
             Token::SymAttr if word(index + 1) == "align" && word(index + 2) == "(" => {
-                let said = word(index + 3);
-                let number = literal(said).or_else(|| constants.get(said).copied());
+                let mut open = 0;
+                let close = (index + 2..tokens.len()).find(|index| {
+                    match word(*index) {
+                        "(" => open += 1,
+                        ")" => open -= 1,
+                        _ => {}
+                    }
+                    open == 0
+                });
+                let said = close.map(|close| &text[tokens[index + 2].2..tokens[close].0]);
+                let said = said.map(|said| said.trim().trim_end_matches(','));
+                let number = said.and_then(|said| match said.parse() {
+                    Ok(number) => Some(number),
+                    Err(_) => evaluated(said, text, &tokens),
+                });
                 if let Some((name, number)) = current.zip(number) {
                     let largest = &mut asked.entry(name).or_default().0;
                     *largest = number.max(*largest);
@@ -111,6 +117,30 @@ fn asked(text: &str) -> BTreeMap<&str, (u32, BTreeMap<&str, Span>)> {
         }
     }
     asked
+}
+
+/// Value of the expression `said`, by naga, from the constants that `text` declares at module scope.
+fn evaluated(said: &str, text: &str, tokens: &[(usize, Token, usize)]) -> Option<u32> {
+    let (mut depth, mut start, mut constants) = (0u32, None, String::new());
+    for (from, _, to) in tokens {
+        match &text[*from..*to] {
+            "{" => depth += 1,
+            "}" => depth = depth.saturating_sub(1),
+            "const" if depth == 0 => start = Some(*from),
+            ";" => constants.extend(start.take().map(|start: usize| &text[start..*to])),
+            _ => {}
+        }
+    }
+    // An array's length is evaluated, and says so.
+    let probe = format!("{constants} var<private> probe: array<u32, {said}>;");
+    let module = naga::front::wgsl::parse_str(&probe).ok()?;
+    module.types.iter().find_map(|(_, ty)| match ty.inner {
+        TypeInner::Array {
+            size: ArraySize::Constant(length),
+            ..
+        } => Some(length.get()),
+        _ => None,
+    })
 }
 
 #[cfg(test)]
@@ -145,8 +175,11 @@ mod tests {
                 refused(&text)
             );
             // A constant's name in place of the number makes no difference.
-            let text = format!("const PAD = 16; {}", text.replacen("(16)", "(PAD)", 1));
-            assert_eq!(refused(&text).is_some(), lost, "PAD, {outer}");
+            for said in ["PAD", "0x10", "16,", "PAD * 2 / (1 + 1)", "4u << 2"] {
+                let text = text.replacen("(16)", &format!("({said})"), 1);
+                let text = format!("const PAD = 16; {text}");
+                assert_eq!(refused(&text).is_some(), lost, "{said}, {outer}");
+            }
         }
     }
 }

@@ -84,7 +84,10 @@ fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
     let lit = |light: &f64| *light > 0.0;
     let light = brightest.map(|(light, _)| *light).filter(lit);
     let light = light.or_else(|| parts.first().map(|(light, _)| *light).filter(lit));
-    light.map_or(1.0, |light| (f64::from(BRIGHT) / light) as f32)
+    // A lamp that is too dim for floats is as bright as floats can make it.
+    light.map_or(1.0, |light| {
+        (f64::from(BRIGHT) / light).min(f64::from(f32::MAX).sqrt()) as f32
+    })
 }
 
 /// Irradiance that a lamp gives to a surface at `point` that faces it, in its brightest channel.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 use serde::Deserialize;
 
 use super::{
@@ -174,8 +174,10 @@ fn local(node: &Node, place: &str, notes: &Notes) -> DAffine3 {
 /// The rotation that a quaternion of any length stands for. A zero stands for none, as it does where a matrix is
 /// made of it without a division.
 fn unit(rotation: DQuat, place: &str, notes: &Notes) -> DQuat {
-    if rotation.length_squared() > 0.0 {
-        return rotation.normalize();
+    // The longest part is 1 then, so that no square of the others is lost or too large.
+    let longest = DVec4::from(rotation).abs().max_element();
+    if longest > 0.0 {
+        return (rotation * (1.0 / longest)).normalize();
     }
     notes.tell("rotation of length 0", "nothing is turned by it", place);
     DQuat::IDENTITY
