@@ -13,5 +13,5 @@ pub use colored::{colored_package, registry};
 pub use dawn::Dawn;
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
-pub use random::random_shader;
+pub use random::{Random, random_shader};
 pub use stage::{Stage, stage};

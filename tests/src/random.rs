@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 /// The shader of the number `seed`.
 pub fn random_shader(seed: u64) -> String {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let fragment = random.one_in(2);
     let mut maker = Maker {
         fragment,
@@ -21,11 +21,18 @@ pub fn random_shader(seed: u64) -> String {
     maker.text
 }
 
-/// Numbers without a pattern: SplitMix64.
-struct Random(u64);
+/// Numbers without a pattern that are the same in every version, as stored verdicts ask: SplitMix64.
+#[derive(Debug)]
+pub struct Random(u64);
 
 impl Random {
-    fn below(&mut self, end: usize) -> usize {
+    /// The numbers that follow from `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// A number from 0 to below `end`.
+    pub fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -33,11 +40,13 @@ impl Random {
         ((bits ^ (bits >> 31)) % end.max(1) as u64) as usize
     }
 
-    fn one_in(&mut self, many: usize) -> bool {
+    /// Whether a chance of one in `many` came true.
+    pub fn one_in(&mut self, many: usize) -> bool {
         self.below(many) == 0
     }
 
-    fn choose<'a>(&mut self, from: &[&'a str]) -> &'a str {
+    /// One of `from`, which has one at the least.
+    pub fn choose<'a>(&mut self, from: &[&'a str]) -> &'a str {
         from[self.below(from.len())]
     }
 }

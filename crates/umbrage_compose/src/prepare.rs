@@ -118,7 +118,8 @@ pub(crate) fn prepare(
     // Whole characters were blanked, so this changes nothing.
     let own_text = String::from_utf8_lossy(&text);
     let mut lent = BTreeMap::new();
-    for other in stubs.items.values().map(|item| item.module) {
+    let modules: BTreeSet<_> = stubs.items.values().map(|item| item.module).collect();
+    for &other in &modules {
         let blanks = &translations.translated(other)?.blanks;
         let tokens = &library.syntax(other)?.tokens;
         let asked = Extensions::read(library.source(other), tokens, blanks).enabled;
@@ -147,7 +148,7 @@ pub(crate) fn prepare(
             .cloned()
             .collect(),
         unknown,
-        modules: stubs.items.values().map(|item| item.module).collect(),
+        modules,
         text,
         own,
         lent,

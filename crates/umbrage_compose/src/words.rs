@@ -318,6 +318,10 @@ pub(crate) fn plain_of_front(text: &str) -> String {
     {
         return format!("this cannot be converted to `{to}");
     }
+    // Naga's label of a place of which the message says all.
+    if text == "see msg" {
+        return String::new();
+    }
     lowered(&without_handles(&unwrapped(text)))
 }
 

@@ -3,23 +3,19 @@
 
 use std::fmt::Write as _;
 
-use fastrand::Rng;
+use umbrage_tests::Random;
 
 /// The shader numbered `seed`, the same always.
 pub(crate) fn shader(seed: u64) -> String {
-    let mut rng = Rng::with_seed(seed);
-    match rng.u32(0..4) {
+    let mut rng = Random::new(seed);
+    match rng.below(4) {
         0 | 1 => constants(&mut rng),
-        2 => match rng.bool() {
+        2 => match rng.one_in(2) {
             true => aliases(&mut rng),
             false => sizes(&mut rng),
         },
         _ => flow(&mut rng),
     }
-}
-
-fn pick<'a>(rng: &mut Rng, all: &[&'a str]) -> &'a str {
-    all[rng.usize(0..all.len())]
 }
 
 /// Types of an expression, `f32`, `i32` and `u32`, by the letter that a template has for each.
@@ -138,18 +134,18 @@ const OF_NATURAL: [&str; 17] = [
     "(vec2u(u, u) << vec2u(u)).y",
 ];
 
-fn literal(rng: &mut Rng, kind: char) -> &'static str {
+fn literal(rng: &mut Random, kind: char) -> &'static str {
     match kind {
-        'f' => pick(rng, &FLOATS),
-        'i' => pick(rng, &INTEGERS),
-        _ => pick(rng, &NATURALS),
+        'f' => rng.choose(&FLOATS),
+        'i' => rng.choose(&INTEGERS),
+        _ => rng.choose(&NATURALS),
     }
 }
 
 /// An expression that gives `kind`: a literal, something declared, or a template filled in.
-fn expression(rng: &mut Rng, kind: char, depth: u32) -> String {
+fn expression(rng: &mut Random, kind: char, depth: u32) -> String {
     if depth == 0 {
-        return match rng.u32(0..10) {
+        return match rng.below(10) {
             0..6 => format!("({})", literal(rng, kind)),
             6 => format!("variable_{kind}"),
             7 => format!("let_{kind}"),
@@ -158,9 +154,9 @@ fn expression(rng: &mut Rng, kind: char, depth: u32) -> String {
         };
     }
     let template = match kind {
-        'f' => pick(rng, &OF_FLOAT),
-        'i' => pick(rng, &OF_INTEGER),
-        _ => pick(rng, &OF_NATURAL),
+        'f' => rng.choose(&OF_FLOAT),
+        'i' => rng.choose(&OF_INTEGER),
+        _ => rng.choose(&OF_NATURAL),
     };
     let mut filled = "(".to_owned();
     let letters: Vec<_> = template.chars().collect();
@@ -171,7 +167,7 @@ fn expression(rng: &mut Rng, kind: char, depth: u32) -> String {
         };
         let alone = !word(at.checked_sub(1)) && !word(Some(at + 1));
         if alone && KINDS.contains(letter) {
-            let depth = if rng.u32(0..5) == 0 { depth - 1 } else { 0 };
+            let depth = if rng.below(5) == 0 { depth - 1 } else { 0 };
             filled += &expression(rng, *letter, depth);
         } else {
             filled.push(*letter);
@@ -180,7 +176,7 @@ fn expression(rng: &mut Rng, kind: char, depth: u32) -> String {
     filled + ")"
 }
 
-fn constants(rng: &mut Rng) -> String {
+fn constants(rng: &mut Random) -> String {
     let mut text = String::new();
     let mut body = "    var three = array(1, 2, 3);\n".to_owned();
     for (kind, ty) in KINDS.iter().zip(["f32", "i32", "u32"]) {
@@ -196,39 +192,39 @@ fn constants(rng: &mut Rng) -> String {
         let _ = writeln!(body, "    let let_{kind}: {ty} = {let_};");
         let _ = writeln!(body, "    var variable_{kind}: {ty} = {variable};");
     }
-    let kind = KINDS[rng.usize(0..3)];
+    let kind = KINDS[rng.below(3)];
     let _ = writeln!(body, "    let result = {};", expression(rng, kind, 2));
     format!("{text}@compute @workgroup_size(1) fn cs() {{\n{body}}}\n")
 }
 
-fn aliases(rng: &mut Rng) -> String {
+fn aliases(rng: &mut Random) -> String {
     let mut text = "var<private> shared_a: i32;\nvar<private> shared_b: i32;\n".to_owned();
-    let functions = rng.u32(1..4);
+    let functions = 1 + rng.below(3);
     for function in 0..functions {
-        let space = if rng.bool() { "function" } else { "private" };
+        let space = if rng.one_in(2) { "function" } else { "private" };
         let parameters: Vec<_> = (0..3).map(|p| format!("p{p}: ptr<{space}, i32>")).collect();
         let _ = writeln!(
             text,
             "// {space}\nfn f{function}({}) {{",
             parameters.join(", ")
         );
-        for _ in 0..rng.u32(0..3) {
-            let pointer = rng.u32(0..3);
-            let statement = match rng.u32(0..7) {
+        for _ in 0..rng.below(3) {
+            let pointer = rng.below(3);
+            let statement = match rng.below(7) {
                 0 | 1 => format!("*p{pointer} = 1;"),
                 2 => format!("_ = *p{pointer};"),
                 3 => "shared_a = 2;".to_owned(),
                 4 => "_ = shared_a;".to_owned(),
                 5 => format!("if shared_b > 1 {{ *p{pointer} += 1; }}"),
                 _ => {
-                    let callee = rng.u32(0..functions);
+                    let callee = rng.below(functions);
                     let fits =
                         callee < function && text.contains(&format!("// {space}\nfn f{callee}("));
                     if fits {
                         format!(
                             "f{callee}(p{}, p{}, p{})",
-                            rng.u32(0..3),
-                            rng.u32(0..3),
+                            rng.below(3),
+                            rng.below(3),
                             pointer
                         ) + ";"
                     } else {
@@ -240,56 +236,50 @@ fn aliases(rng: &mut Rng) -> String {
         }
         text += "}\n";
     }
-    let callee = rng.u32(0..functions);
+    let callee = rng.below(functions);
     let local = text.contains(&format!("// function\nfn f{callee}("));
     let names = if local {
         ["a", "b"]
     } else {
         ["shared_a", "shared_b"]
     };
-    let arguments: Vec<_> = (0..3).map(|_| format!("&{}", pick(rng, &names))).collect();
+    let arguments: Vec<_> = (0..3).map(|_| format!("&{}", rng.choose(&names))).collect();
     let call = format!("f{callee}({});", arguments.join(", "));
     format!(
         "{text}@compute @workgroup_size(1) fn cs() {{\n    var a = 1;\n    var b = 2;\n    {call}\n}}\n"
     )
 }
 
-fn sizes(rng: &mut Rng) -> String {
+fn sizes(rng: &mut Random) -> String {
     let side = [
         "1", "2", "15", "16", "17", "64", "65", "255", "256", "257", "N",
     ];
-    let [x, y, z] = [(); 3].map(|()| match rng.u32(0..3) {
-        0 => pick(rng, &side),
+    let [x, y, z] = [(); 3].map(|()| match rng.below(3) {
+        0 => rng.choose(&side),
         _ => "1",
     });
-    let element = pick(
-        rng,
-        &[
-            "f32",
-            "vec3f",
-            "mat3x3f",
-            "bool",
-            "atomic<u32>",
-            "array<vec2f, 3>",
-            "S",
-        ],
-    );
-    let count = pick(
-        rng,
-        &[
-            "1", "255", "256", "341", "342", "682", "683", "1023", "1024", "1025", "4095", "4096",
-            "4097", "N",
-        ],
-    );
-    let n = pick(rng, &["1", "64", "256", "257", "5000"]);
+    let element = rng.choose(&[
+        "f32",
+        "vec3f",
+        "mat3x3f",
+        "bool",
+        "atomic<u32>",
+        "array<vec2f, 3>",
+        "S",
+    ]);
+    let count = rng.choose(&[
+        "1", "255", "256", "341", "342", "682", "683", "1023", "1024", "1025", "4095", "4096",
+        "4097", "N",
+    ]);
+    let n = rng.choose(&["1", "64", "256", "257", "5000"]);
     format!(
         "override N = {n};\nstruct S {{\n    a: f32,\n    b: bool,\n    c: vec3f,\n}}\nvar<workgroup> w: array<{element}, {count}>;\n\
          var<workgroup> v: f32;\n@compute @workgroup_size({x}, {y}, {z}) fn cs() {{\n    let a = &w[0];\n    v = 1.0;\n}}\n"
     )
 }
 
-fn flow(rng: &mut Rng) -> String {
-    let result = rng.bool();
+fn flow(rng: &mut Random) -> String {
+    let result = rng.one_in(2);
     let body = statements(
         rng,
         3,
@@ -299,7 +289,7 @@ fn flow(rng: &mut Rng) -> String {
         },
     );
     let (arrow, last) = if result {
-        (" -> i32", pick(rng, &["", "    return 3;\n"]))
+        (" -> i32", rng.choose(&["", "    return 3;\n"]))
     } else {
         ("", "")
     };
@@ -321,16 +311,16 @@ struct Around {
     continuing: bool,
 }
 
-fn statements(rng: &mut Rng, depth: u32, around: Around) -> String {
-    (0..rng.u32(0..4))
+fn statements(rng: &mut Random, depth: u32, around: Around) -> String {
+    (0..rng.below(4))
         .map(|_| format!("{}\n", statement(rng, depth, around)))
         .collect()
 }
 
-fn statement(rng: &mut Rng, depth: u32, around: Around) -> String {
-    let simple = depth == 0 || rng.bool();
+fn statement(rng: &mut Random, depth: u32, around: Around) -> String {
+    let simple = depth == 0 || rng.one_in(2);
     if simple {
-        return match rng.u32(0..6) {
+        return match rng.below(6) {
             0 if around.may_break => "break;",
             1 if around.may_continue => "continue;",
             2 if !around.continuing => match around.result {
@@ -357,7 +347,7 @@ fn statement(rng: &mut Rng, depth: u32, around: Around) -> String {
     } else {
         turn
     };
-    match rng.u32(0..7) {
+    match rng.below(7) {
         0 => format!("{{\n{}}}", statements(rng, depth, around)),
         1 => format!("if x > 1 {{\n{}}}", statements(rng, depth, around)),
         2 => format!(
@@ -377,7 +367,7 @@ fn statement(rng: &mut Rng, depth: u32, around: Around) -> String {
             )
         }
         4 => {
-            let condition = pick(rng, &["", "x < 3", "true"]);
+            let condition = rng.choose(&["", "x < 3", "true"]);
             format!(
                 "for (; {condition}; x++) {{\n{}}}",
                 statements(rng, depth, turn)
@@ -385,7 +375,7 @@ fn statement(rng: &mut Rng, depth: u32, around: Around) -> String {
         }
         5 => format!("while x < 3 {{\n{}}}", statements(rng, depth, turn)),
         _ => {
-            let continuing = match rng.u32(0..3) {
+            let continuing = match rng.below(3) {
                 0 => {
                     let inner = Around {
                         result: around.result,
@@ -393,7 +383,7 @@ fn statement(rng: &mut Rng, depth: u32, around: Around) -> String {
                         may_break: false,
                         may_continue: false,
                     };
-                    let last = pick(rng, &["", "break if x > 3;\n"]);
+                    let last = rng.choose(&["", "break if x > 3;\n"]);
                     format!("continuing {{\n{}{last}}}\n", statements(rng, depth, inner))
                 }
                 _ => String::new(),

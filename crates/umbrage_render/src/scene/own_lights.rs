@@ -4,6 +4,8 @@
 //! with 100 000. So all lights of a model are scaled alike, as a camera would expose it: the brightest hundredth of
 //! its surface begins at the irradiance that the sun which is made up for other models would give.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use umbrage_shadow::{Light, LightKind};
 
@@ -16,6 +18,8 @@ const BRIGHTEST: f64 = 0.01;
 /// Range of a light without an end, as a multiple of the farthest corner's distance: there the window takes 1/256
 /// of its light.
 const ENDLESS: f64 = 4.0;
+/// Bits of a float's mantissa (of 52) that an irradiance is taken without.
+const DROPPED: u32 = 40;
 
 /// The lights of a scene of `objects` that `lamps` are, each with the shadow of the sun that is made up for other
 /// models.
@@ -59,7 +63,8 @@ fn end(kind: &mut LightKind, objects: &[Object]) {
 
 /// Factor by which all lights are multiplied.
 fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
-    let mut parts = Vec::new();
+    // Area by irradiance, to 12 bits of it: a model may show a mesh of a million triangles a thousand times.
+    let mut areas: BTreeMap<u64, f64> = BTreeMap::new();
     for object in objects {
         for corners in object.mesh.indices.as_chunks::<3>().0 {
             let [a, b, c] = corners.map(|corner| {
@@ -71,19 +76,21 @@ fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
             let area = 0.5 * (b - a).cross(c - a).length();
             let middle = (a + b + c) / 3.0;
             let light: f64 = lamps.iter().map(|lamp| irradiance(lamp, middle)).sum();
-            parts.push((light, area));
+            // Bits of floats from zero up are in the floats' order.
+            *areas.entry(light.to_bits() >> DROPPED).or_default() += area;
         }
     }
-    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut left = BRIGHTEST * parts.iter().map(|(_, area)| area).sum::<f64>();
-    let brightest = parts.iter().find(|(_, area)| {
-        left -= area;
+    let mut left = BRIGHTEST * areas.values().sum::<f64>();
+    let brightest = areas.iter().rev().find(|(_, area)| {
+        left -= *area;
         left < 0.0
     });
     // Where less than that share is lit, the brightest triangle counts.
-    let lit = |light: &f64| *light > 0.0;
-    let light = brightest.map(|(light, _)| *light).filter(lit);
-    let light = light.or_else(|| parts.first().map(|(light, _)| *light).filter(lit));
+    let mut candidates = brightest.into_iter().chain(areas.last_key_value());
+    let light = candidates.find_map(|(bits, _)| {
+        let light = f64::from_bits(bits << DROPPED);
+        (light > 0.0).then_some(light)
+    });
     // A lamp that is too dim for floats is as bright as floats can make it.
     light.map_or(1.0, |light| {
         (f64::from(BRIGHT) / light).min(f64::from(f32::MAX).sqrt()) as f32

@@ -1,4 +1,5 @@
 // Dawn: refuses it: '300000000549775575777803994281145270272.0 * 10.0' cannot be represented as 'f32'
+// Umbrage: float literal is infinite
 @compute @workgroup_size(1) fn cs() {
     var n = 5u;
     var f = 1.5f;

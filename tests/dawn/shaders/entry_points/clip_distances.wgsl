@@ -1,4 +1,5 @@
 // Dawn: refuses it: extension 'clip_distances' is not allowed in the current environment
+// Umbrage: this needs `@builtin(clip_distances)`, which the target `webgpu` does not offer
 enable clip_distances;
 struct G {
     @builtin(position) p: vec4f,

@@ -1,4 +1,5 @@
 // Dawn: refuses it: expected builtin value name
+// Umbrage: the built-in value `point_size` is none of WGSL's, and what some devices offer beyond it modules cannot ask for
 struct G {
     @builtin(position) p: vec4f,
     @builtin(point_size) s: f32,

@@ -1,4 +1,5 @@
 // Dawn: refuses it: runtime arrays may only appear as the last member of a struct
+// Umbrage: the member `a` has no fixed size; only the last of a storage buffer may have none
 struct S {
     a: array<f32>,
     b: f32,

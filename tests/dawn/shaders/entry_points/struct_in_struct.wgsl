@@ -1,4 +1,5 @@
 // Dawn: refuses it: nested structures cannot be used for entry point IO
+// Umbrage: a member of the struct has neither `@location` nor `@builtin`
 struct A {
     @location(0) a: f32,
 }

@@ -1,4 +1,5 @@
 // Dawn: refuses it: missing return at end of function
+// Umbrage: `f` may end without a value
 fn f() -> i32 {
     loop {
         break;

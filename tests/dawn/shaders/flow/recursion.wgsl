@@ -1,4 +1,5 @@
 // Dawn: refuses it: cyclic dependency found: 'f' -> 'f'
+// Umbrage: declaration of `f` is recursive
 fn f() {
     f();
 }

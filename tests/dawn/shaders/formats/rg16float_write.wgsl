@@ -1,4 +1,5 @@
 // Dawn: refuses it: Texture format TextureFormat::RG16Float does not support storage texture access StorageTextureAccess::WriteOnly.
+// Umbrage: a storage texture cannot have the format `rg16float` without a feature of the device
 @group(0) @binding(0) var s: texture_storage_2d<rg16float, write>;
 @compute @workgroup_size(1) fn cs() {
     textureStore(s, vec2i(), vec4f());

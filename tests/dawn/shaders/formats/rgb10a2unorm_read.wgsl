@@ -1,4 +1,5 @@
 // Dawn: refuses it: Texture format TextureFormat::RGB10A2Unorm does not support storage texture access StorageTextureAccess::ReadOnly.
+// Umbrage: a storage texture cannot have the format `rgb10a2unorm` without a feature of the device
 @group(0) @binding(0) var s: texture_storage_2d<rgb10a2unorm, read>;
 @compute @workgroup_size(1) fn cs() {
     let r = textureLoad(s, vec2i());

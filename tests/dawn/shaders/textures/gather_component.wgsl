@@ -1,4 +1,5 @@
 // Dawn: refuses it: the component argument must be at least 0 and at most 3. component is 4
+// Umbrage: textureGather component `4` doesn't exist, must be 0, 1, 2, or 3
 @group(0) @binding(0) var t: texture_2d<f32>;
 @group(0) @binding(1) var s: sampler;
 @group(0) @binding(2) var d: texture_depth_2d;

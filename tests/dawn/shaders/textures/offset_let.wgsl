@@ -1,4 +1,5 @@
 // Dawn: refuses it: the 'offset' argument of 'textureSample' must be a const-expression
+// Umbrage: this operation is not supported in a const context
 @group(0) @binding(0) var t: texture_2d<f32>;
 @group(0) @binding(1) var s: sampler;
 @group(0) @binding(2) var d: texture_depth_2d;

@@ -1,4 +1,5 @@
 // Dawn: refuses it: expected severity control
+// Umbrage: invalid diagnostic severity
 diagnostic(never, derivative_uniformity);
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var at_rest: sampler;

@@ -1,4 +1,5 @@
 // Dawn: refuses it: '@location(0)' appears multiple times
+// Umbrage: multiple bindings at location 0 are present
 struct Given {
     @location(0) a: f32,
     @location(0) b: f32,

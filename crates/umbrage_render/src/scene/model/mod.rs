@@ -14,7 +14,7 @@ mod mesh;
 mod node;
 mod view;
 
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{cell::OnceCell, collections::BTreeMap, path::Path, sync::Arc};
 
 use glam::DAffine3;
 
@@ -63,6 +63,7 @@ pub(super) fn load(path: &Path, textured: bool) -> Result<Model, SceneError> {
         document: &document,
         notes,
         worlds,
+        parents: OnceCell::new(),
         textured,
     };
     let (mut parts, mut lamps, mut eyes) = (Vec::new(), Vec::new(), Vec::new());
@@ -94,6 +95,8 @@ struct Reader<'a> {
     notes: Notes,
     /// Where the scene's nodes stand.
     worlds: BTreeMap<Whole, DAffine3>,
+    /// The node above each node, for joints outside of the scene.
+    parents: OnceCell<BTreeMap<Whole, Whole>>,
     textured: bool,
 }
 

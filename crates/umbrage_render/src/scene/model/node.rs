@@ -189,7 +189,7 @@ impl Reader<'_> {
         if let Some(world) = self.worlds.get(&index) {
             return Ok(*world);
         }
-        let parents = parents(self.document);
+        let parents = self.parents.get_or_init(|| parents(self.document));
         let (mut world, mut next, mut seen) = (DAffine3::IDENTITY, Some(index), BTreeSet::new());
         while let Some(index) = next {
             let node: Node = self.document.element("nodes", index, by)?;
