@@ -18,7 +18,7 @@ const BRIGHTEST: f64 = 0.01;
 /// Range of a light without an end, as a multiple of the farthest corner's distance: there the window takes 1/256
 /// of its light.
 const ENDLESS: f64 = 4.0;
-/// Bits of a float's mantissa (of 52) that an irradiance is taken without.
+/// Bits of an irradiance's mantissa (of 52) by which parts that share an entry may differ.
 const DROPPED: u32 = 40;
 
 /// The lights of a scene of `objects` that `lamps` are, each with the shadow of the sun that is made up for other
@@ -63,8 +63,9 @@ fn end(kind: &mut LightKind, objects: &[Object]) {
 
 /// Factor by which all lights are multiplied.
 fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
-    // Area by irradiance, to 12 bits of it: a model may show a mesh of a million triangles a thousand times.
-    let mut areas: BTreeMap<u64, f64> = BTreeMap::new();
+    // Parts of about the same irradiance share an entry, which keeps the most of it and their area: a model may
+    // show a mesh of a million triangles a thousand times.
+    let mut parts: BTreeMap<u64, (f64, f64)> = BTreeMap::new();
     for object in objects {
         for corners in object.mesh.indices.as_chunks::<3>().0 {
             let [a, b, c] = corners.map(|corner| {
@@ -77,22 +78,21 @@ fn exposure(lamps: &[Lamp], objects: &[Object]) -> f32 {
             let middle = (a + b + c) / 3.0;
             let light: f64 = lamps.iter().map(|lamp| irradiance(lamp, middle)).sum();
             // Bits of floats from zero up are in the floats' order.
-            *areas.entry(light.to_bits() >> DROPPED).or_default() += area;
+            let (most, total) = parts.entry(light.to_bits() >> DROPPED).or_default();
+            *most = most.max(light);
+            *total += area;
         }
     }
-    let mut left = BRIGHTEST * areas.values().sum::<f64>();
-    let brightest = areas.iter().rev().find(|(_, area)| {
+    let mut left = BRIGHTEST * parts.values().map(|(_, area)| area).sum::<f64>();
+    let brightest = parts.values().rev().find(|(_, area)| {
         left -= *area;
         left < 0.0
     });
     // Where less than that share is lit, the brightest triangle counts.
-    let mut candidates = brightest.into_iter().chain(areas.last_key_value());
-    let light = candidates.find_map(|(bits, _)| {
-        let light = f64::from_bits(bits << DROPPED);
-        (light > 0.0).then_some(light)
-    });
+    let mut candidates = brightest.into_iter().chain(parts.values().last());
+    let light = candidates.find(|(light, _)| *light > 0.0);
     // A lamp that is too dim for floats is as bright as floats can make it.
-    light.map_or(1.0, |light| {
+    light.map_or(1.0, |(light, _)| {
         (f64::from(BRIGHT) / light).min(f64::from(f32::MAX).sqrt()) as f32
     })
 }
