@@ -12,7 +12,8 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 pub struct Axes {
     axes: BTreeMap<Arc<str>, Axis>,
-    rules: Vec<Rule>,
+    /// What values provide and need, each with what it is.
+    capabilities: BTreeMap<String, String>,
 }
 
 /// One choice.
@@ -41,6 +42,10 @@ pub(crate) struct Effect {
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
     pub(crate) count_fetches: Option<CountFetches>,
+    /// Capabilities that other choices may need.
+    pub(crate) provides: Vec<String>,
+    /// Capabilities of which each must be provided by some other choice.
+    pub(crate) needs: Vec<String>,
     /// The same by numbers, for the library that has them.
     pub(crate) numbers: EffectNumbers,
 }
@@ -69,6 +74,9 @@ pub(crate) struct EffectNumbers {
     pub(crate) bind: Vec<(usize, usize)>,
     pub(crate) features: FeatureSet,
     pub(crate) counting: Option<Counting>,
+    /// Capabilities, by their numbers among the library's.
+    pub(crate) provided: FeatureSet,
+    pub(crate) needed: FeatureSet,
 }
 
 /// A demand that a function be called before each texture fetch.
@@ -82,22 +90,6 @@ pub(crate) struct Counting {
     pub(crate) except: Vec<usize>,
     /// The features under which the function is to be called.
     pub(crate) features: Vec<String>,
-}
-
-/// A combination of values that makes no sense.
-#[derive(Clone, Debug)]
-pub(crate) struct Rule {
-    pub(crate) exclude: BTreeMap<String, Vec<String>>,
-    pub(crate) reason: String,
-}
-
-impl Rule {
-    /// Whether it excludes the combination in which `value` gives each axis's value.
-    pub(crate) fn excludes<'a>(&self, value: impl Fn(&str) -> Option<&'a str>) -> bool {
-        self.exclude.iter().all(|(axis, values)| {
-            value(axis).is_some_and(|value| values.iter().any(|known| known == value))
-        })
-    }
 }
 
 impl Axes {
@@ -169,23 +161,8 @@ impl Axes {
         }
     }
 
-    /// The key of `choices`, which no rule excludes.
+    /// The key of `choices`, which have all that they need.
     pub(crate) fn key<'a>(
-        &self,
-        choices: impl IntoIterator<Item = (&'a str, &'a str)>,
-    ) -> Result<Key, Fault> {
-        let key = self.canonical(choices)?;
-        match self.excluded(&key) {
-            Some(rule) => {
-                let message = format!("the combination {key} is excluded: {}", rule.reason);
-                Err(Fault::new(Cause::Key, message))
-            }
-            None => Ok(key),
-        }
-    }
-
-    /// The key of `choices`, which some rule may exclude.
-    fn canonical<'a>(
         &self,
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Key, Fault> {
@@ -206,7 +183,50 @@ impl Axes {
             let value = *chosen.get(&**name)?;
             (axis.default.as_deref() != Some(&**value)).then(|| (name.clone(), value.clone()))
         });
-        Ok(Key::new(choices))
+        let key = Key::new(choices);
+        self.check_needs(&key)?;
+        Ok(key)
+    }
+
+    /// Checks that what each of `key`'s choices needs is provided by another.
+    fn check_needs(&self, key: &Key) -> Result<(), Fault> {
+        let provided = |need: &String| {
+            let mut effects = self.effects(key);
+            effects.any(|(_, effect)| effect.provides.contains(need))
+        };
+        for (axis, effect) in self.effects(key) {
+            if let Some(need) = effect.needs.iter().find(|need| !provided(need)) {
+                let axis = &axis.name;
+                let value = self.value(key, axis).unwrap_or("");
+                let what = self.capabilities.get(need).map_or("", String::as_str);
+                let message = format!(
+                    "the combination {key} is excluded: {axis}={value} needs `{need}`, {what}"
+                );
+                let others = self.providers(need).collect::<Vec<_>>().join(" or ");
+                return Err(Fault::new(Cause::Key, message)
+                    .note(format!("choose {others}, or another value for `{axis}`")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Values that provide `capability`, as `axis=value`.
+    pub(crate) fn providers(&self, capability: &str) -> impl Iterator<Item = String> {
+        self.with_effect(move |effect| effect.provides.iter().any(|known| known == capability))
+    }
+
+    /// Values whose effect is of a kind, as `axis=value`.
+    fn with_effect(&self, is: impl Fn(&Effect) -> bool) -> impl Iterator<Item = String> {
+        self.iter().flat_map(move |axis| {
+            let values = axis.values.iter().filter(|(_, effect)| is(effect));
+            let named = values.map(|(value, _)| format!("{}={value}", axis.name));
+            named.collect::<Vec<_>>()
+        })
+    }
+
+    /// Names of the capabilities.
+    pub(crate) fn capabilities(&self) -> impl Iterator<Item = &str> {
+        self.capabilities.keys().map(String::as_str)
     }
 
     /// Checks that each axis that has no default is `given`.
@@ -220,11 +240,6 @@ impl Axes {
         Err(Fault::new(Cause::Key, message).note(format!("choose one of {}", values.join(", "))))
     }
 
-    /// Rules of all packages.
-    pub(crate) fn rules(&self) -> &[Rule] {
-        &self.rules
-    }
-
     /// Name of `axis`, in the text that all keys share.
     pub(crate) fn name(&self, axis: &str) -> Arc<str> {
         match self.axes.get_key_value(axis) {
@@ -233,33 +248,21 @@ impl Axes {
         }
     }
 
-    fn excluded(&self, key: &Key) -> Option<&Rule> {
-        self.rules
-            .iter()
-            .find(|rule| rule.excludes(|axis| self.value(key, axis)))
-    }
-
     /// Takes in the axes of a package: new axes, and new values for known ones.
     pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
         let file: AxesFile = ron_text::parse(source, Cause::Manifest)?;
+        for (name, what) in file.capabilities {
+            if let Some(other) = self.capabilities.get(&name) {
+                let message = format!("the capability `{name}` is declared already: {other}");
+                return Err(Fault::new(Cause::Manifest, message)
+                    .at(ron_text::literal(source, &["capabilities", &name]))
+                    .note("declare it in one package; the others may use it all the same")
+                    .into());
+            }
+            self.capabilities.insert(name, what);
+        }
         for (name, axis) in file.axes {
             self.merge_axis(package, source, name, axis)?;
-        }
-        for rule in file.rules {
-            for (name, values) in &rule.exclude {
-                let axis = self
-                    .check_axis(name)
-                    .map_err(|fault| fault.at(ron_text::literal(source, &[name])))?;
-                for value in values {
-                    self.check_value(axis, value).map_err(|fault| {
-                        fault.at(ron_text::literal(source, &["exclude", name, value]))
-                    })?;
-                }
-            }
-            self.rules.push(Rule {
-                exclude: rule.exclude,
-                reason: rule.reason,
-            });
         }
         Ok(())
     }
@@ -303,6 +306,8 @@ impl Axes {
                     call: own(count.call),
                     except: count.except.into_iter().map(own).collect(),
                 }),
+                provides: effect.provides,
+                needs: effect.needs,
                 numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.as_str().into(), effect).is_some() {
@@ -344,8 +349,8 @@ fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
 struct AxesFile {
     #[serde(deserialize_with = "ron_text::unique")]
     axes: BTreeMap<String, AxisFile>,
-    #[serde(default)]
-    rules: Vec<RuleFile>,
+    #[serde(default, deserialize_with = "ron_text::unique")]
+    capabilities: BTreeMap<String, String>,
 }
 
 #[derive(Deserialize)]
@@ -370,6 +375,10 @@ struct EffectFile {
     features: Vec<String>,
     #[serde(default)]
     count_fetches: Option<CountFetchesFile>,
+    #[serde(default)]
+    provides: Vec<String>,
+    #[serde(default)]
+    needs: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -378,12 +387,4 @@ struct CountFetchesFile {
     call: String,
     #[serde(default)]
     except: Vec<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RuleFile {
-    #[serde(deserialize_with = "ron_text::unique")]
-    exclude: BTreeMap<String, Vec<String>>,
-    reason: String,
 }

@@ -63,6 +63,12 @@ impl FeatureSet {
             .all(|(i, mask)| (self.word(i) ^ other.word(i)) & mask == 0)
     }
 
+    /// Whether all members of `other` are members of this set.
+    pub(crate) fn has_all(&self, other: &Self) -> bool {
+        let words = other.0.iter().enumerate();
+        words.into_iter().all(|(i, word)| word & !self.word(i) == 0)
+    }
+
     fn word(&self, index: usize) -> u64 {
         self.0.get(index).copied().unwrap_or(0)
     }

@@ -5,7 +5,8 @@
 //! (<https://wesl-lang.dev>). A module in the folder `interface` is a contract: others call its functions,
 //! and a *binding* says which module's bodies they get. A package's `axes.ron` names the choices: an
 //! [`Axis`] has values, and a value asks the linker for a root module, for bindings, and for features. A
-//! [`Key`] is a value for each axis, a [`Manifest`] says which keys exist, and a [`Composer`] turns a key
+//! value may *need* a capability that a value of another axis *provides*; combinations that lack one are illegal. A
+//! [`Key`] is a legal value for each axis, a [`Manifest`] says which keys exist, and a [`Composer`] turns a key
 //! into a [`Permutation`]: the module that is left when everything else is left out.
 //!
 //! ```
@@ -88,6 +89,7 @@
 mod axes;
 mod bindings;
 mod cache;
+mod capabilities;
 mod composer;
 mod copy;
 mod diagnostics;

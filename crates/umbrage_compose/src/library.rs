@@ -8,6 +8,7 @@ use std::{
 use crate::{
     Axes, Cause, Error, Fault, Key, Package,
     axes::{CountFetches, Counting, EffectNumbers},
+    capabilities,
     error::nearest,
     features::{FeatureNames, FeatureSet},
     names::may_stand_in_paths,
@@ -89,6 +90,7 @@ impl Library {
             .map(|(index, source)| (source.path.clone(), index))
             .collect();
         let features = FeatureNames::new(axes.features());
+        let capabilities = FeatureNames::new(axes.capabilities());
         let module = |path: &String| by_path.get(path).copied();
         for effect in axes.effects_mut() {
             let bound = effect.bind.iter();
@@ -98,6 +100,8 @@ impl Library {
                     .filter_map(|(k, v)| Some((module(k)?, module(v)?)))
                     .collect(),
                 features: features.set(&effect.features),
+                provided: capabilities.set(&effect.provides),
+                needed: capabilities.set(&effect.needs),
                 counting: effect.count_fetches.as_ref().and_then(|count| {
                     let (path, function) = count.call.rsplit_once("::")?;
                     Some(Counting {
@@ -133,8 +137,8 @@ impl Library {
     /// The key of `choices`: a value for each axis that is not to have its default.
     ///
     /// # Errors
-    /// An unknown axis or value, an axis without a default and a value, and a combination that the
-    /// packages' rules exclude.
+    /// An unknown axis or value, an axis without a default and a value, and a combination in which
+    /// a value lacks a capability that it needs.
     pub fn key<'a>(
         &self,
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
@@ -217,7 +221,7 @@ impl Library {
             {
                 let message = format!("two choices of the key {key} each name a root module");
                 return Err(Fault::new(Cause::Key, message)
-                    .note("exclude the combination by a rule in axes.ron, or give one of them another way"));
+                    .note("keep them apart by what they need and provide in axes.ron, or give one of them another way"));
             }
             for &(interface, bound) in &effect.numbers.bind {
                 let before = request.bindings.insert(interface, bound);
@@ -226,7 +230,7 @@ impl Library {
                     let message =
                         format!("two choices of the key {key} bind `{path}` to different modules");
                     return Err(Fault::new(Cause::Key, message).note(
-                        "exclude the combination by a rule in axes.ron, or let one choice bind it",
+                        "keep them apart by what they need and provide in axes.ron, or let one choice bind it",
                     ));
                 }
             }
@@ -257,7 +261,7 @@ impl Library {
                 for path in modules {
                     if self.module(path).is_none() {
                         let fault = self.no_module(Cause::Manifest, path);
-                        return Err(locate_axis(fault, packages, &axis.name, value).into());
+                        return Err(locate(fault, packages, &[&axis.name, "values", value]).into());
                     }
                 }
                 for interface in effect.bind.keys() {
@@ -266,12 +270,15 @@ impl Library {
                         let message = format!("`{interface}` is no interface");
                         let fault = Fault::new(Cause::Manifest, message)
                             .note("interfaces lie in their package's folder `interface`");
-                        return Err(locate_axis(fault, packages, &axis.name, value).into());
+                        return Err(locate(fault, packages, &[&axis.name, "values", value]).into());
                     }
                 }
             }
         }
-        Ok(())
+        capabilities::check(self.axes()).map_err(|misuse| {
+            let path: Vec<_> = misuse.path.iter().map(String::as_str).collect();
+            locate(misuse.fault, packages, &path).into()
+        })
     }
 
     pub(crate) fn no_module(&self, cause: Cause, path: &str) -> Fault {
@@ -292,17 +299,21 @@ impl Library {
     }
 }
 
-fn locate_axis(fault: Fault, packages: &[Package], axis: &str, value: &str) -> Fault {
-    let quoted = |name: &str| format!("\"{name}\"");
-    let file = packages
-        .iter()
-        .filter_map(|package| package.axes.as_ref())
-        .find(|source| {
-            let at = source.text.find(&quoted(axis));
-            at.is_some_and(|at| source.text[at..].contains(&quoted(value)))
-        });
-    match file {
-        Some(source) => fault.at(crate::ron_text::literal(source, &[axis, "values", value])),
+/// `fault` at the words of `path`, in the first package whose axes have them in this order.
+fn locate(fault: Fault, packages: &[Package], path: &[&str]) -> Fault {
+    let has = |text: &str| {
+        let mut rest = text;
+        path.iter().all(|word| match rest.find(word) {
+            Some(at) => {
+                rest = &rest[at + word.len()..];
+                true
+            }
+            None => false,
+        })
+    };
+    let mut files = packages.iter().filter_map(|package| package.axes.as_ref());
+    match files.find(|source| has(&source.text)) {
+        Some(source) => fault.at(crate::ron_text::literal(source, path)),
         None => fault,
     }
 }

@@ -8,8 +8,11 @@ use std::{
 use serde::Deserialize;
 
 use crate::{
-    Axes, Cause, Error, Fault, Key, Library, Package, axes::Rule, file::SourceText,
-    names::package_name, product::Product, ron_text,
+    Axes, Cause, Error, Fault, Key, Library, Package,
+    file::SourceText,
+    names::package_name,
+    product::{Product, Rule},
+    ron_text,
 };
 
 /// Which keys exist, over which packages, for which target.
@@ -124,7 +127,7 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
     for product in &file.keys {
         let product = Product::new(axes, source, &product.0)?;
         let rules = product.rules(axes, &own);
-        let of_library = product.rules(axes, axes.rules());
+        let legality = product.legality(axes);
         product.for_each(&mut |choice, key| {
             // All rules that fit are noted as used, so that none is called needless by mistake.
             let mut excluded = false;
@@ -133,8 +136,8 @@ fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Ve
                 *used |= fits;
                 excluded |= fits;
             }
-            // What the library's own rules exclude is left out, too.
-            if !excluded && !of_library.iter().any(|rule| rule.fits(choice)) {
+            // A combination that lacks something that one of its values needs is left out, too.
+            if !excluded && legality.allows(choice) {
                 keys.push(Key::new(key.iter().cloned()));
             }
         });

@@ -3,7 +3,11 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
-    Axes, Cause, Fault, axes::Rule, file::SourceText, key, manifest::Choice, manifest::in_manifest,
+    Axes, Axis, Cause, Fault,
+    features::FeatureSet,
+    file::SourceText,
+    key,
+    manifest::{Choice, in_manifest},
 };
 
 /// Limit on the number of keys: more must be a mistake, as no one can build so many.
@@ -17,6 +21,27 @@ struct Factor {
     axis: Arc<str>,
     default: Option<Arc<str>>,
     others: Vec<Arc<str>>,
+}
+
+/// A combination of values that a manifest leaves out.
+#[derive(Clone, Debug)]
+pub(crate) struct Rule {
+    pub(crate) exclude: BTreeMap<String, Vec<String>>,
+    pub(crate) reason: String,
+}
+
+/// Capabilities that the values of a product provide and need.
+pub(crate) struct Legality {
+    /// By the axes that are no factors, at their defaults.
+    rest: Needs,
+    /// By each value of each factor.
+    factors: Vec<BTreeMap<Arc<str>, Needs>>,
+}
+
+#[derive(Clone, Default)]
+struct Needs {
+    provided: FeatureSet,
+    needed: FeatureSet,
 }
 
 /// Combinations of a product that a rule excludes.
@@ -98,6 +123,35 @@ impl Product {
         compiled.collect()
     }
 
+    /// Decides which combinations have all that their values need. An axis that is not a factor is at its default.
+    pub(crate) fn legality(&self, axes: &Axes) -> Legality {
+        let of = |axis: &Axis, value: &str| {
+            let numbers = axis.values.get(value).map(|effect| &effect.numbers);
+            numbers.map_or_else(Needs::default, |numbers| Needs {
+                provided: numbers.provided.clone(),
+                needed: numbers.needed.clone(),
+            })
+        };
+        let mut rest = Needs::default();
+        for axis in axes.iter() {
+            if let Some(default) = &axis.default
+                && !self.0.iter().any(|factor| *factor.axis == *axis.name)
+            {
+                rest.add(&of(axis, default));
+            }
+        }
+        let factors = self.0.iter().map(|factor| {
+            let values = factor.others.iter().chain(&factor.default);
+            let axis = axes.get(&factor.axis);
+            let needs = values.filter_map(|value| Some((value.clone(), of(axis?, value))));
+            needs.collect()
+        });
+        Legality {
+            rest,
+            factors: factors.collect(),
+        }
+    }
+
     /// Calls `visit` with each combination (a value for each factor) and its key's choices, in the order of the
     /// keys.
     pub(crate) fn for_each(&self, visit: &mut Visit<'_>) {
@@ -112,6 +166,25 @@ impl Product {
             visit,
         };
         walk.from(0);
+    }
+}
+
+impl Needs {
+    fn add(&mut self, other: &Self) {
+        self.provided.union(&other.provided);
+        self.needed.union(&other.needed);
+    }
+}
+
+impl Legality {
+    pub(crate) fn allows(&self, combination: &[Arc<str>]) -> bool {
+        let mut all = self.rest.clone();
+        for (values, value) in self.factors.iter().zip(combination) {
+            if let Some(needs) = values.get(value) {
+                all.add(needs);
+            }
+        }
+        all.provided.has_all(&all.needed)
     }
 }
 

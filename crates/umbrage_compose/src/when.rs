@@ -7,7 +7,7 @@ use serde::{
     de::{DeserializeOwned, SeqAccess, Visitor},
 };
 
-use crate::{Axes, Cause, Error, Fault, Key, axes::Rule, file::SourceText, ron_text};
+use crate::{Axes, Cause, Error, Fault, Key, file::SourceText, ron_text};
 
 /// A RON file that a person wrote, to be read and pointed into.
 #[derive(Clone, Debug)]
@@ -102,15 +102,10 @@ pub struct When(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String,
 impl When {
     /// Whether `key` fits. Where the key says nothing, the axis's default counts.
     pub fn fits(&self, axes: &Axes, key: &Key) -> bool {
-        let values = self
-            .0
-            .iter()
-            .map(|(axis, values)| (axis.clone(), values.0.clone()));
-        let rule = Rule {
-            exclude: values.collect(),
-            reason: String::new(),
-        };
-        rule.excludes(|axis| axes.value(key, axis))
+        self.0.iter().all(|(axis, values)| {
+            let value = axes.value(key, axis);
+            value.is_some_and(|value| values.0.iter().any(|known| known == value))
+        })
     }
 
     /// Checks that the axes and their values exist. The fault is in `file`, in the bytes `range` that this was

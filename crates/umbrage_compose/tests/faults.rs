@@ -8,14 +8,17 @@ const AXES: &str = r#"(
         "method": (
             default: "none",
             values: {
-                "none": (bind: { "package::interface::shadow": "package::interface::shadow" }),
+                "none": (
+                    bind: { "package::interface::shadow": "package::interface::shadow" },
+                    provides: ["sight"],
+                ),
                 "mine": (bind: { "package::interface::shadow": "package::mine" }),
-                "unbound": (),
+                "unbound": (provides: ["sight"]),
             },
         ),
-        "fog": (default: "off", values: { "off": (), "on": (features: ["FOG"]) }),
+        "fog": (default: "off", values: { "off": (), "on": (features: ["FOG"], needs: ["sight"]) }),
     },
-    rules: [(exclude: { "fog": ["on"], "method": ["mine"] }, reason: "my method knows no fog")],
+    capabilities: { "sight": "a method that sees through fog" },
 )"#;
 
 const INTERFACE: &str = "fn calc_shadow(position_ws: vec3f) -> f32 { return 1.0; }\n";
@@ -166,7 +169,11 @@ axes_value_twice, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (value
     axes_no_module, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::mian\") }),\n    },\n)\n")];
     axes_not_an_interface, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (bind: { \"package::mine\": \"package::mine\" }) }),\n    },\n)\n")];
     axes_bad_default, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (default: \"mian\", values: { \"main\": (root: \"package::main\") }),\n    },\n)\n")];
-    axes_rule_of_no_axis, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\") }),\n    },\n    rules: [(exclude: { \"pas\": [\"main\"] }, reason: \"none\")],\n)\n")];
+    axes_need_undeclared, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\", needs: [\"ligth\"]) }),\n        \"fog\": (default: \"off\", values: { \"off\": (provides: [\"light\"]), \"on\": () }),\n    },\n    capabilities: { \"light\": \"light\", \"sight\": \"sight\" },\n)\n")];
+    axes_need_without_provider, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\", needs: [\"light\"]) }),\n        \"fog\": (default: \"off\", values: { \"off\": (), \"on\": (provides: [\"sight\"]) }),\n    },\n    capabilities: { \"light\": \"light\", \"sight\": \"sight\" },\n)\n")];
+    axes_provider_without_need, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\", needs: [\"light\"]) }),\n        \"fog\": (default: \"off\", values: { \"off\": (provides: [\"light\"]), \"on\": (provides: [\"sight\"]) }),\n    },\n    capabilities: { \"light\": \"light\", \"sight\": \"sight\" },\n)\n")];
+    axes_capability_unused, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\", needs: [\"light\"]) }),\n        \"fog\": (default: \"off\", values: { \"off\": (provides: [\"light\"]), \"on\": () }),\n    },\n    capabilities: { \"light\": \"light\", \"sight\": \"sight\" },\n)\n")];
+    axes_needs_in_a_circle, PLAIN, [("axes.ron", "(\n    axes: {\n        \"pass\": (values: { \"main\": (root: \"package::main\", provides: [\"sight\"], needs: [\"light\"]) }),\n        \"fog\": (default: \"off\", values: { \"off\": (provides: [\"light\"], needs: [\"sight\"]), \"on\": () }),\n    },\n    capabilities: { \"light\": \"light\", \"sight\": \"sight\" },\n)\n")];
 }
 
 fn seventeen_textures() -> String {
@@ -207,8 +214,8 @@ fn keys() {
 #[test]
 fn choices_that_contradict_each_other() {
     let axes = AXES.replace(
-        "\"on\": (features: [\"FOG\"])",
-        "\"on\": (bind: { \"package::interface::shadow\": \"package::mine\" })",
+        "\"on\": (features: [\"FOG\"], ",
+        "\"on\": (bind: { \"package::interface::shadow\": \"package::mine\" }, ",
     );
     let error = compose(&[("axes.ron", &axes)], &[("pass", "main"), ("fog", "on")]);
     insta::assert_snapshot!(

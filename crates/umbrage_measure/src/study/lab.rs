@@ -99,7 +99,7 @@ impl Lab {
         Ok((lights, refusal))
     }
 
-    /// Why the shader library's rules exclude what is chosen for a method under a kind of light, where they do.
+    /// Why the shader library excludes what is chosen for a method under a kind of light, where they do.
     fn excluded(&self, kind: &LightKind, config: &Config) -> Option<String> {
         if config.axes.is_empty() {
             return None;

@@ -1,0 +1,186 @@
+//! Legal keys of our library: what provides and needs allow is what lists of excluded combinations, one a reason, allow.
+
+use std::collections::BTreeMap;
+
+use umbrage::compose::Library;
+
+const BOUNDED_OR_BLURRED: &[&str] = &[
+    "esm",
+    "esm_half",
+    "esm_log",
+    "hpsm",
+    "hpsm_naive",
+    "min_max",
+    "min_max_tree",
+];
+const MIDPOINTS: &[&str] = &["midpoint", "midpoint_sampled", "midpoint_two_passes"];
+/// Lookups that read no tiles of one texture.
+const APART: &[&str] = &["branches", "channels", "weights"];
+
+/// Excluded combinations: values of some axes that make no sense together.
+const EXCLUDED: &[&[(&str, &[&str])]] = &[
+    // A cube map can only be asked by comparing, holds the nearest depths alone, and has no splits.
+    &[("filter", BOUNDED_OR_BLURRED), ("light", &["point"])],
+    &[("depth", MIDPOINTS), ("light", &["point"])],
+    &[("method", &["pssm"]), ("light", &["point"])],
+    // Only tiles of one texture can be asked otherwise than by comparing, and hold other depths than the nearest.
+    &[
+        ("filter", BOUNDED_OR_BLURRED),
+        ("method", &["pssm"]),
+        ("lookup", APART),
+    ],
+    &[
+        ("depth", MIDPOINTS),
+        ("method", &["pssm"]),
+        ("lookup", APART),
+    ],
+    // A pass that computes from a map wants its depths.
+    &[
+        ("filter", BOUNDED_OR_BLURRED),
+        ("depth", &["midpoint_sampled"]),
+    ],
+    // Passes that make what one filter, or one kind of map, reads.
+    &[
+        ("pass", &["hpsm"]),
+        (
+            "filter",
+            &["esm", "esm_half", "esm_log", "min_max_tree", "pcf"],
+        ),
+    ],
+    &[
+        ("pass", &["min_max_tree"]),
+        (
+            "filter",
+            &[
+                "esm",
+                "esm_half",
+                "esm_log",
+                "hpsm",
+                "hpsm_naive",
+                "min_max",
+                "pcf",
+            ],
+        ),
+    ],
+    &[
+        ("pass", &["esm_across", "esm_down"]),
+        (
+            "filter",
+            &["hpsm", "hpsm_naive", "min_max", "min_max_tree", "pcf"],
+        ),
+    ],
+    &[
+        ("pass", &["esm_round"]),
+        (
+            "filter",
+            &[
+                "esm",
+                "esm_log",
+                "hpsm",
+                "hpsm_naive",
+                "min_max",
+                "min_max_tree",
+                "pcf",
+            ],
+        ),
+    ],
+    &[
+        ("pass", &["midpoint"]),
+        ("depth", &["midpoint_sampled", "nearest"]),
+    ],
+    // A mask holds terms of the pixels seen, and nothing of how they were found.
+    &[
+        (
+            "pass",
+            &["decision", "fetch_count", "shaft_fetches", "shafts"],
+        ),
+        ("method", &["mask"]),
+    ],
+    &[("pass", &["mask"]), ("method", &["mask", "none"])],
+    // Only a spot light has the one projection that a cookie needs.
+    &[("cookie", &["on"]), ("light", &["directional", "point"])],
+    // There are no splits to narrow the filter over.
+    &[("taper", &["on"]), ("method", &["basic", "mask", "none"])],
+];
+
+/// Every combination of the axes that are excluded somewhere is legal exactly where no list excludes it.
+#[test]
+fn needs_exclude_what_makes_no_sense_and_nothing_else() {
+    let package = umbrage::shader_package().expect("our package");
+    let library = Library::new([package]).expect("a library");
+    let mut axes: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (name, _) in EXCLUDED.iter().copied().flatten() {
+        let axis = library.axes().get(name).expect("an axis");
+        axes.insert(name, axis.values().collect());
+    }
+    let mut combinations = vec![Vec::new()];
+    for (axis, values) in &axes {
+        let longer = combinations.iter().flat_map(|combination: &Vec<_>| {
+            let with = |value| {
+                combination
+                    .iter()
+                    .copied()
+                    .chain([(*axis, value)])
+                    .collect()
+            };
+            values.iter().copied().map(with)
+        });
+        combinations = longer.collect();
+    }
+    let mut legal = 0;
+    for combination in combinations {
+        let has = |(axis, values): &(&str, &[&str])| {
+            let mut chosen = combination.iter();
+            chosen.any(|(known, value)| known == axis && values.contains(value))
+        };
+        let excluded = EXCLUDED.iter().any(|values| values.iter().all(has));
+        let key = library.key(combination.iter().copied());
+        assert_eq!(key.is_err(), excluded, "{combination:?}: {key:?}");
+        legal += u32::from(!excluded);
+    }
+    assert!(legal > 10_000, "{legal}");
+}
+
+/// A filter of another package, with its module, is chosen without a line of ours: two files.
+#[test]
+fn a_filter_from_outside_edits_no_other_value() {
+    let axes = r#"(axes: {
+        "filter": (values: {
+            "bright": (
+                bind: { "umbrage::interface::filter": "package::bright" },
+                needs: ["planar", "stored_depths", "tiles"],
+            ),
+        }),
+    })"#;
+    let files = [("axes.ron", axes), ("bright.wesl", BRIGHT)];
+    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    let outside = umbrage::compose::Package::from_sources("outside", "outside", files);
+    let packages = [
+        umbrage::shader_package().expect("our package"),
+        outside.expect("a package"),
+    ];
+    let library = Library::new(packages).expect("a library");
+    let key = |light| {
+        library.key([
+            ("pass", "shadow_term"),
+            ("method", "basic"),
+            ("filter", "bright"),
+            ("light", light),
+        ])
+    };
+    let error = key("point")
+        .expect_err("a cube map has no plane")
+        .to_string();
+    assert!(error.contains("filter=bright needs `planar`"), "{error}");
+    let composer =
+        umbrage::compose::Composer::new(library.clone(), umbrage::compose::Target::webgpu());
+    composer
+        .compose(&key("spot").expect("a key"))
+        .expect("a permutation");
+}
+
+const BRIGHT: &str = "import umbrage::interface::filter::Tile;
+fn filter_map(at: vec2f, plane: vec3f, tile: Tile) -> f32 {
+    return 0.5;
+}
+";
