@@ -1,9 +1,13 @@
 //! What composing costs, over what cannot be avoided: naga's own parsing and validating of the same
-//! shader as one text (the floor), and a `HashMap`'s look-up.
+//! shader as one text (the floor), and a `HashMap`'s look-up; and what it costs others: `naga_oil`, with its modules
+//! known, up to a validated module, as we do; `wesl`, which keeps nothing, up to a text that naga has yet to parse.
 #![allow(
     clippy::print_stdout,
     reason = "a benchmark reports on standard output"
 )]
+
+#[path = "compose/peers.rs"]
+mod peers;
 
 use std::{collections::HashMap, error::Error, hint::black_box, time::Duration};
 
@@ -11,6 +15,8 @@ use naga::valid::{ValidationFlags, Validator};
 use serde::Serialize;
 use umbrage_bench::{Spread, time, write_report};
 use umbrage_compose::{Composer, Key, Library, Target};
+
+use crate::peers::{NagaOil, Sources, WeslCompiler, face};
 
 /// Turns taken; each times everything once.
 const ROUNDS: usize = 101;
@@ -34,6 +40,8 @@ struct Report {
     new_over_floor: f64,
     cached_over_hashmap: f64,
     cold_over_floor: f64,
+    naga_oil_warm_over_ours: f64,
+    wesl_over_ours: f64,
     wgsl_bytes: usize,
     rounds: usize,
     floor_us: Spread,
@@ -42,6 +50,8 @@ struct Report {
     cold_us: Spread,
     cached_us: Spread,
     hashmap_us: Spread,
+    naga_oil_warm_us: Spread,
+    wesl_us: Spread,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -61,6 +71,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         other("pcf", "7")?,
         other("alpha_test", "off")?,
     ];
+    let sources = Sources::of(&library()?, &wanted)?;
+    let mut naga_oil = NagaOil::new(&sources)?;
+    let wesl = WeslCompiler::new(&sources)?;
+    check(&whole.permutation.module, &naga_oil.compose()?)?;
+    let of_wesl = naga::front::wgsl::parse_str(&wesl.compose()?)?;
+    check(&whole.permutation.module, &of_wesl)?;
 
     let [
         mut floor,
@@ -69,7 +85,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         mut cold,
         mut cached,
         mut hashmap,
-    ] = [const { Vec::new() }; 6];
+        mut warm_naga_oil,
+        mut from_wesl,
+    ] = [const { Vec::new() }; 8];
     for _ in 0..ROUNDS {
         floor.push(time(|| parse_and_validate(&text)));
         validating.push(time(|| validate(&whole.permutation.module)));
@@ -81,6 +99,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             composer.compose(key)?;
         }
         new.push(time(|| composer.compose(&wanted)));
+        warm_naga_oil.push(time(|| naga_oil.compose()));
+        from_wesl.push(time(|| wesl.compose()));
         cached.push(per_look_up(|| composer.compose(&wanted).map(drop)));
         let map: HashMap<Key, _> = [(wanted.clone(), whole.permutation.clone())].into();
         hashmap.push(per_look_up(|| map.get(black_box(&wanted)).cloned()));
@@ -90,6 +110,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         new_over_floor: spread(&new).median / spread(&floor).median,
         cached_over_hashmap: spread(&cached).median / spread(&hashmap).median,
         cold_over_floor: spread(&cold).median / spread(&floor).median,
+        naga_oil_warm_over_ours: spread(&warm_naga_oil).median / spread(&new).median,
+        wesl_over_ours: spread(&from_wesl).median / spread(&new).median,
         wgsl_bytes: text.len(),
         rounds: ROUNDS,
         floor_us: spread(&floor),
@@ -98,6 +120,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         cold_us: spread(&cold),
         cached_us: spread(&cached),
         hashmap_us: spread(&hashmap),
+        naga_oil_warm_us: spread(&warm_naga_oil),
+        wesl_us: spread(&from_wesl),
     };
     println!(
         "a permutation of {} bytes of WGSL, {ROUNDS} rounds, median (least to most)",
@@ -113,6 +137,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cached, looked up                    {}", report.cached_us);
     println!("the same key in a HashMap            {}", report.hashmap_us);
     println!(
+        "naga_oil, its modules known          {}",
+        report.naga_oil_warm_us
+    );
+    println!("wesl, to a text                      {}", report.wesl_us);
+    println!(
         "(a) new over floor       {:.3}  (goal 0.25, later 0.12)",
         report.new_over_floor
     );
@@ -124,7 +153,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         "(c) cold over floor      {:.3}  (goal 4)",
         report.cold_over_floor
     );
+    println!(
+        "(d) naga_oil over new    {:.3}",
+        report.naga_oil_warm_over_ours
+    );
+    println!("(e) wesl over new        {:.3}", report.wesl_over_ours);
     println!("written to {}", write_report("compose", &report)?.display());
+    Ok(())
+}
+
+/// Holds a peer's module against ours.
+fn check(ours: &naga::Module, theirs: &naga::Module) -> Result<(), Box<dyn Error>> {
+    let capabilities = Target::webgpu().capabilities();
+    Validator::new(ValidationFlags::all(), capabilities).validate(theirs)?;
+    if face(ours) != face(theirs) {
+        return Err(format!("ours: {:?}, theirs: {:?}", face(ours), face(theirs)).into());
+    }
     Ok(())
 }
 
