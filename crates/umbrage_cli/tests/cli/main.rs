@@ -118,7 +118,6 @@ const AXES: &str = r#"(
         ),
         "unread": (doc: "read by no module", default: "off", values: { "off": (), "on": (features: ["UNREAD"]) }),
     },
-    rules: [],
 )
 "#;
 
