@@ -39,55 +39,6 @@ const EXCLUDED: &[&[(&str, &[&str])]] = &[
         ("filter", BOUNDED_OR_BLURRED),
         ("depth", &["midpoint_sampled"]),
     ],
-    // Passes that make what one filter, or one kind of map, reads.
-    &[
-        ("pass", &["hpsm"]),
-        (
-            "filter",
-            &["esm", "esm_half", "esm_log", "min_max_tree", "pcf"],
-        ),
-    ],
-    &[
-        ("pass", &["min_max_tree"]),
-        (
-            "filter",
-            &[
-                "esm",
-                "esm_half",
-                "esm_log",
-                "hpsm",
-                "hpsm_naive",
-                "min_max",
-                "pcf",
-            ],
-        ),
-    ],
-    &[
-        ("pass", &["esm_across", "esm_down"]),
-        (
-            "filter",
-            &["hpsm", "hpsm_naive", "min_max", "min_max_tree", "pcf"],
-        ),
-    ],
-    &[
-        ("pass", &["esm_round"]),
-        (
-            "filter",
-            &[
-                "esm",
-                "esm_log",
-                "hpsm",
-                "hpsm_naive",
-                "min_max",
-                "min_max_tree",
-                "pcf",
-            ],
-        ),
-    ],
-    &[
-        ("pass", &["midpoint"]),
-        ("depth", &["midpoint_sampled", "nearest"]),
-    ],
     // A mask holds terms of the pixels seen, and nothing of how they were found.
     &[
         (
@@ -100,7 +51,17 @@ const EXCLUDED: &[&[(&str, &[&str])]] = &[
     // Only a spot light has the one projection that a cookie needs.
     &[("cookie", &["on"]), ("light", &["directional", "point"])],
     // There are no splits to narrow the filter over.
-    &[("taper", &["on"]), ("method", &["basic", "mask", "none"])],
+    &[("taper", &["on"]), ("method", &["basic"])],
+];
+
+/// Passes that make what certain values alone read: the pass, the axis, and these values.
+const MAKERS: &[(&str, &str, &[&str])] = &[
+    ("esm_across", "filter", &["esm", "esm_half", "esm_log"]),
+    ("esm_down", "filter", &["esm", "esm_half", "esm_log"]),
+    ("esm_round", "filter", &["esm_half"]),
+    ("hpsm", "filter", &["hpsm", "hpsm_naive", "min_max"]),
+    ("midpoint", "depth", &["midpoint", "midpoint_two_passes"]),
+    ("min_max_tree", "filter", &["min_max_tree"]),
 ];
 
 /// Every combination of the axes that are excluded somewhere is legal exactly where no list excludes it.
@@ -133,7 +94,10 @@ fn needs_exclude_what_makes_no_sense_and_nothing_else() {
             let mut chosen = combination.iter();
             chosen.any(|(known, value)| known == axis && values.contains(value))
         };
-        let excluded = EXCLUDED.iter().any(|values| values.iter().all(has));
+        let made_for_none = MAKERS
+            .iter()
+            .any(|(pass, axis, readers)| has(&("pass", &[pass])) && !has(&(axis, readers)));
+        let excluded = made_for_none || EXCLUDED.iter().any(|values| values.iter().all(has));
         let key = library.key(combination.iter().copied());
         assert_eq!(key.is_err(), excluded, "{combination:?}: {key:?}");
         legal += u32::from(!excluded);
@@ -177,6 +141,23 @@ fn a_filter_from_outside_edits_no_other_value() {
     composer
         .compose(&key("spot").expect("a key"))
         .expect("a permutation");
+}
+
+/// What an axis provides is said once, so that its values mean the same whichever packages there are.
+#[test]
+fn two_packages_cannot_say_what_an_axis_provides() {
+    let axes = r#"(axes: { "method": (provides: ["tiles"], values: {}) })"#;
+    let files = [("axes.ron".to_owned(), axes.to_owned())];
+    let outside = umbrage::compose::Package::from_sources("outside", "outside", files);
+    let ours = umbrage::shader_package().expect("our package");
+    let error = Library::new([ours, outside.expect("a package")]).expect_err("said twice");
+    let told = error.to_string();
+    // Packages are read in the order of their names.
+    assert!(told.contains("already what `method` provides"), "{told}");
+    assert!(
+        told.contains("umbrage") || told.contains("shader_lib"),
+        "{told}"
+    );
 }
 
 const BRIGHT: &str = "import umbrage::interface::filter::Tile;

@@ -12,7 +12,7 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 pub struct Axes {
     axes: BTreeMap<Arc<str>, Axis>,
-    /// What values provide and need, each with what it is.
+    /// Capabilities by name, each with what it is.
     capabilities: BTreeMap<String, String>,
 }
 
@@ -26,6 +26,10 @@ pub struct Axis {
     /// The value where a key says nothing; none where it must say.
     pub default: Option<String>,
     pub(crate) values: BTreeMap<Arc<str>, Effect>,
+    /// Capabilities of each value that does not say what it provides.
+    provides: Option<Vec<String>>,
+    /// The values that do not say it.
+    silent: Vec<Arc<str>>,
 }
 
 impl Axis {
@@ -285,6 +289,8 @@ impl Axes {
                 doc: String::new(),
                 default: None,
                 values: BTreeMap::new(),
+                provides: None,
+                silent: Vec::new(),
             });
         if let Some(doc) = file.doc {
             axis.doc = doc;
@@ -306,13 +312,39 @@ impl Axes {
                     call: own(count.call),
                     except: count.except.into_iter().map(own).collect(),
                 }),
-                provides: effect.provides,
+                provides: match effect.provides {
+                    Some(provides) => provides,
+                    None => {
+                        axis.silent.push(value.as_str().into());
+                        Vec::new()
+                    }
+                },
                 needs: effect.needs,
                 numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.as_str().into(), effect).is_some() {
                 let message = format!("axis `{name}` has the value `{value}` already");
                 return Err(fault(message, &[&name, &value]));
+            }
+        }
+        if let Some(provides) = file.provides {
+            if axis
+                .provides
+                .as_ref()
+                .is_some_and(|other| *other != provides)
+            {
+                let message = format!("another package says already what `{name}` provides");
+                return Err(Fault::new(Cause::Manifest, message)
+                    .at(ron_text::literal(source, &[&name, "provides"]))
+                    .note("let the values that differ say for themselves what they provide")
+                    .into());
+            }
+            axis.provides = Some(provides);
+        }
+        // Packages are merged in the order of their names: one that adds values may come first.
+        for value in &axis.silent {
+            if let (Some(effect), Some(provides)) = (axis.values.get_mut(value), &axis.provides) {
+                effect.provides.clone_from(provides);
             }
         }
         if let Some(default) = file.default {
@@ -360,6 +392,8 @@ struct AxisFile {
     doc: Option<String>,
     #[serde(default)]
     default: Option<String>,
+    #[serde(default)]
+    provides: Option<Vec<String>>,
     #[serde(deserialize_with = "ron_text::unique")]
     values: BTreeMap<String, EffectFile>,
 }
@@ -376,7 +410,7 @@ struct EffectFile {
     #[serde(default)]
     count_fetches: Option<CountFetchesFile>,
     #[serde(default)]
-    provides: Vec<String>,
+    provides: Option<Vec<String>>,
     #[serde(default)]
     needs: Vec<String>,
 }
