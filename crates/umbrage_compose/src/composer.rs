@@ -1,6 +1,7 @@
 //! The composer: from a key to a permutation, by the shortest way.
 
 use std::{
+    cell::RefCell,
     collections::{BTreeSet, HashMap},
     path::PathBuf,
     sync::{Arc, OnceLock, RwLock},
@@ -9,12 +10,13 @@ use std::{
 use crate::{
     Error, Fault, Key, Library, Permutation, Target,
     cache::DiskCache,
-    features::{FeatureSet, Features},
+    features::{Consulted, FeatureSet, Features},
     fetches,
     library::Request,
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, Projections, dependencies, project},
+    space::{Known, Read, Reader, Variant, walk},
     store::Look,
     unit::{Refusal, Unit, parse},
 };
@@ -38,7 +40,10 @@ pub struct Composer {
 /// A module under features that agree on what it consults.
 #[derive(Debug)]
 struct Entry {
-    prepared: Arc<Prepared>,
+    consulted: Consulted,
+    /// The features that were asked for, in the order of the questions.
+    asked: Vec<usize>,
+    prepared: Result<Arc<Prepared>, Fault>,
     /// Shared by entries of the same text and filters.
     unit: Arc<OnceLock<Result<Arc<Unit>, Refusal>>>,
 }
@@ -126,14 +131,14 @@ impl Composer {
         &self.target
     }
 
-    /// `key` with every choice that makes no difference at its default: keys with the same
-    /// projection are one permutation.
+    /// The key that names `key`'s permutation, with every choice that makes no difference at its default as far as
+    /// that is legal: keys with the same projection are one permutation.
     ///
     /// # Errors
     /// Faults in the modules that the key leads to, as far as that takes reading them.
     pub fn project(&self, key: &Key) -> Result<Key, Error> {
-        let (_, found) = self.read(key).map_err(|fault| fault.key(key))?;
-        Ok(project(&self.library, key, &found))
+        let (request, found) = self.read(key).map_err(|fault| fault.key(key))?;
+        Ok(project(&self.library, &request, &found).unwrap_or_else(|| key.clone()))
     }
 
     /// Projections of `keys`, in their order. Where many keys share few permutations, this is much quicker than
@@ -207,7 +212,7 @@ impl Composer {
 
     fn compose_new(&self, key: &Key) -> Result<Composed, Fault> {
         let (request, found) = self.read(key)?;
-        let projected = project(&self.library, key, &found);
+        let projected = project(&self.library, &request, &found).unwrap_or_else(|| key.clone());
         if let Some(permutation) = self.remembered(&projected) {
             return Ok(Composed {
                 permutation,
@@ -332,13 +337,11 @@ impl Composer {
             .or_insert_with(|| permutation.clone());
     }
 
-    fn entry(&self, module: usize, enabled: &FeatureSet) -> Result<Arc<Entry>, Fault> {
+    fn entry(&self, module: usize, enabled: &FeatureSet) -> Arc<Entry> {
         let lock = &self.modules[module];
         let agrees = |entries: &[Arc<Entry>]| {
-            entries
-                .iter()
-                .find(|entry| entry.prepared.consulted.agrees(enabled))
-                .cloned()
+            let mut known = entries.iter();
+            known.find(|entry| entry.consulted.agrees(enabled)).cloned()
         };
         let known = agrees(
             &lock
@@ -346,34 +349,101 @@ impl Composer {
                 .unwrap_or_else(std::sync::PoisonError::into_inner),
         );
         if let Some(entry) = known {
-            return Ok(entry);
+            return entry;
         }
+        let asked = RefCell::default();
         let features = Features {
             names: self.library.features(),
             enabled,
+            asked: &asked,
         };
-        let prepared = Arc::new(prepare(&self.library, module, &features)?);
+        let prepared = prepare(&self.library, module, &features).map(Arc::new);
+        let asked = asked.into_inner();
+        let mut consulted = Consulted::default();
+        for &feature in &asked {
+            consulted.asked.insert(feature);
+            if enabled.contains(feature) {
+                consulted.found.insert(feature);
+            }
+        }
         let mut entries = lock
             .write()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         // Another thread may have been faster.
         if let Some(entry) = agrees(&entries) {
-            return Ok(entry);
+            return entry;
         }
-        let same = |entry: &&Arc<Entry>| {
-            let known = &entry.prepared;
-            known.text == prepared.text
-                && known.filters == prepared.filters
-                // The same text has another meaning where its names are imported from other modules.
-                && known.stubs.items == prepared.stubs.items
+        let same = |entry: &&Arc<Entry>| match (&entry.prepared, &prepared) {
+            // The same text has another meaning where its names are imported from other modules.
+            (Ok(known), Ok(new)) => {
+                known.text == new.text
+                    && known.filters == new.filters
+                    && known.stubs.items == new.stubs.items
+            }
+            _ => false,
         };
         let unit = entries
             .iter()
             .find(same)
             .map_or_else(Arc::default, |entry| entry.unit.clone());
-        let entry = Arc::new(Entry { prepared, unit });
+        let entry = Arc::new(Entry {
+            consulted,
+            asked,
+            prepared,
+            unit,
+        });
         entries.push(entry.clone());
-        Ok(entry)
+        entry
+    }
+
+    /// Calls `visit` with each permutation of the whole space, once, always in the same order. Keys are not listed:
+    /// the work follows the number of permutations.
+    pub fn for_each_variant(&self, visit: &mut dyn FnMut(Variant)) {
+        let whole = self.library.table().whole();
+        walk(&self.library, whole, self, visit);
+    }
+
+    /// Number of all legal keys.
+    pub fn legal_keys(&self) -> u128 {
+        let table = self.library.table();
+        table.count(&table.whole())
+    }
+}
+
+impl Reader for Composer {
+    fn read(&self, module: usize, known: &Known) -> Read {
+        let undecided = |entry: &Entry| {
+            for &feature in &entry.asked {
+                match known.decided(feature) {
+                    None => return Some(Some(feature)),
+                    Some(enabled) if enabled != entry.consulted.found.contains(feature) => {
+                        return None;
+                    }
+                    Some(_) => {}
+                }
+            }
+            Some(None)
+        };
+        let read = |entry: &Arc<Entry>| {
+            Some(match (undecided(entry)?, &entry.prepared) {
+                (Some(feature), _) => Read::Undecided(feature),
+                (None, Ok(prepared)) => Read::Module(prepared.clone()),
+                (None, Err(fault)) => Read::Fault(fault.clone()),
+            })
+        };
+        let entries = self.modules[module]
+            .read()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(found) = entries.iter().find_map(read) {
+            return found;
+        }
+        drop(entries);
+        // Its first questions are the same whatever the undecided features are.
+        let entry = self.entry(module, &known.certain);
+        read(&entry).unwrap_or_else(|| match &entry.prepared {
+            Ok(prepared) => Read::Module(prepared.clone()),
+            Err(fault) => Read::Fault(fault.clone()),
+        })
     }
 }
 
@@ -402,7 +472,7 @@ struct WithFeatures<'a> {
 
 impl Modules for WithFeatures<'_> {
     fn prepared(&self, module: usize) -> Result<Arc<Prepared>, Fault> {
-        Ok(self.composer.entry(module, self.enabled)?.prepared.clone())
+        self.composer.entry(module, self.enabled).prepared.clone()
     }
 }
 
@@ -427,9 +497,10 @@ impl Units for WithFeatures<'_> {
 
 impl WithFeatures<'_> {
     fn parsed(&self, module: usize) -> Result<Result<Arc<Unit>, Refusal>, Fault> {
-        let entry = self.composer.entry(module, self.enabled)?;
+        let entry = self.composer.entry(module, self.enabled);
         let library = &self.composer.library;
-        let parsed = || parse(library, module, &entry.prepared).map(Arc::new);
+        let prepared = entry.prepared.as_ref().map_err(Fault::clone)?;
+        let parsed = || parse(library, module, prepared).map(Arc::new);
         Ok(entry.unit.get_or_init(parsed).clone())
     }
 }

@@ -1,6 +1,9 @@
 //! Feature flags, and what was asked of them.
 
-use std::collections::{BTreeSet, HashMap};
+use std::{
+    cell::RefCell,
+    collections::{BTreeSet, HashMap},
+};
 
 use crate::{Cause, Fault, error::nearest};
 
@@ -39,7 +42,7 @@ impl FeatureNames {
 }
 
 /// A set of features by their numbers.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct FeatureSet(Vec<u64>);
 
 impl FeatureSet {
@@ -63,6 +66,30 @@ impl FeatureSet {
             .all(|(i, mask)| (self.word(i) ^ other.word(i)) & mask == 0)
     }
 
+    pub(crate) fn intersect(&mut self, other: &Self) {
+        self.0.truncate(other.0.len());
+        self.0
+            .iter_mut()
+            .zip(&other.0)
+            .for_each(|(word, other)| *word &= other);
+        self.trim();
+    }
+
+    pub(crate) fn remove_all(&mut self, other: &Self) {
+        self.0
+            .iter_mut()
+            .zip(&other.0)
+            .for_each(|(word, other)| *word &= !other);
+        self.trim();
+    }
+
+    /// Drops empty words at the end, so that equal sets are equal values.
+    fn trim(&mut self) {
+        while self.0.last() == Some(&0) {
+            self.0.pop();
+        }
+    }
+
     /// Whether all members of `other` are members of this set.
     pub(crate) fn has_all(&self, other: &Self) -> bool {
         let words = other.0.iter().enumerate();
@@ -77,6 +104,7 @@ impl FeatureSet {
         if self.0.len() < other.0.len() {
             self.0.resize(other.0.len(), 0);
         }
+        // No set ends in an empty word, so neither does a union.
         for (word, other) in self.0.iter_mut().zip(&other.0) {
             *word |= other;
         }
@@ -110,6 +138,9 @@ impl Consulted {
 pub(crate) struct Features<'a> {
     pub(crate) names: &'a FeatureNames,
     pub(crate) enabled: &'a FeatureSet,
+    /// Features that were asked for, in the order of the first questions. Which question comes next depends on the
+    /// answers before it alone.
+    pub(crate) asked: &'a RefCell<Vec<usize>>,
 }
 
 impl Features<'_> {
@@ -126,6 +157,10 @@ impl Features<'_> {
                 },
             );
         };
+        let mut asked = self.asked.borrow_mut();
+        if !asked.contains(&number) {
+            asked.push(number);
+        }
         let enabled = self.enabled.contains(number);
         consulted.asked.insert(number);
         if enabled {

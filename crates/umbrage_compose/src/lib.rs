@@ -120,6 +120,7 @@ mod reflect;
 mod ron_text;
 mod rules;
 mod source;
+mod space;
 mod store;
 mod stubs;
 mod target;
@@ -146,6 +147,7 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
+pub use space::Variant;
 pub use store::{Kind, Look, Store};
 pub use target::{Limit, Target};
 pub use when::{RonFile, When};

@@ -14,6 +14,7 @@ use crate::{
     names::may_stand_in_paths,
     package::Dependency,
     source::{Source, Syntax},
+    space::Table,
 };
 
 /// Packages, with their modules and axes. Cheap to clone.
@@ -30,6 +31,7 @@ struct Inner {
     interfaces: Vec<usize>,
     axes: Axes,
     features: FeatureNames,
+    table: OnceLock<Table>,
 }
 
 #[derive(Debug)]
@@ -124,6 +126,7 @@ impl Library {
             interfaces,
             axes,
             features,
+            table: OnceLock::new(),
         }));
         library.check_axes(&packages)?;
         Ok(library)
@@ -144,6 +147,11 @@ impl Library {
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Key, Error> {
         Ok(self.axes().key(choices)?)
+    }
+
+    /// The axes as the walk through the space needs them.
+    pub(crate) fn table(&self) -> &Table {
+        self.0.table.get_or_init(|| Table::new(self))
     }
 
     pub(crate) fn features(&self) -> &FeatureNames {

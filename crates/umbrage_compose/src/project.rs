@@ -55,18 +55,12 @@ pub(crate) fn dependencies(
     (found, Ok(()))
 }
 
-/// `key` with every choice that makes no difference at its default, and every other at the first
-/// value that makes the same one.
-pub(crate) fn project(library: &Library, key: &Key, found: &Dependencies) -> Key {
-    let choices = library.axes().effects(key).filter_map(|(axis, effect)| {
-        let alike = |value: &&Arc<str>| same(&axis.values[*value].numbers, &effect.numbers, found);
-        let default = (axis.default.as_deref()).and_then(|value| axis.values.get_key_value(value));
-        let default = default.map(|(value, _)| value);
-        let first = (default.into_iter().find(alike)).or_else(|| axis.values.keys().find(alike));
-        let value = first.filter(|value| default != Some(value))?;
-        Some((library.axes().name(&axis.name), value.clone()))
-    });
-    Key::new(choices)
+/// The key that names the permutation of `request`, which depends on what was `found`: of all legal keys that give the
+/// same answers, the one with defaults as far as they are legal. None where `request` is of no legal key.
+pub(crate) fn project(library: &Library, request: &Request, found: &Dependencies) -> Option<Key> {
+    let table = library.table();
+    let part = table.same(request, found, library.features().iter().count());
+    Some(table.key(&table.first(&part)?))
 }
 
 /// Projections of keys, found by reading each set of modules only once: keys that have the same values on the axes
@@ -141,7 +135,8 @@ impl<'a> Projections<'a> {
             let found = found
                 .as_ref()
                 .ok_or_else(|| Fault::new(Cause::Key, "not read"))?;
-            Ok(project(self.library, key, found))
+            let request = self.library.request(key)?;
+            Ok(project(self.library, &request, found).unwrap_or_else(|| key.clone()))
         });
         let matter: Arc<[Arc<str>]> = (axes.effects(key))
             .filter(|(axis, effect)| match &found {
