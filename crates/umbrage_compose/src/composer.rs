@@ -398,7 +398,7 @@ impl Composer {
 
     /// Calls `visit` with each permutation of the whole space, once, always in the same order. Keys are not listed:
     /// the work follows the number of permutations.
-    pub fn for_each_variant(&self, visit: &mut dyn FnMut(Variant)) {
+    pub fn for_each_variant<'a>(&'a self, visit: &mut dyn FnMut(Variant<'a>)) {
         let whole = self.library.table().whole();
         walk(&self.library, whole, self, visit);
     }

@@ -20,15 +20,25 @@ use crate::{
 
 /// A distinct permutation of the space.
 #[derive(Clone, Debug)]
-pub struct Variant {
+pub struct Variant<'a> {
     /// Its key: of all keys that make it, the one with defaults wherever they are legal.
     pub key: Key,
-    /// How many legal keys make it.
-    pub keys: u128,
-    /// For each axis by name, the values that occur in those keys. Not every combination of them is legal.
-    pub values: BTreeMap<Arc<str>, Vec<Arc<str>>>,
     /// The fault that keeps its modules from being read, where there is one.
     pub fault: Option<Error>,
+    table: &'a Table,
+    part: Part,
+}
+
+impl Variant<'_> {
+    /// Number of the legal keys that make it, at most `u128::MAX`.
+    pub fn keys(&self) -> u128 {
+        self.table.count(&self.part)
+    }
+
+    /// For each axis by name, the values that occur in its keys. Not every combination of them is legal.
+    pub fn values(&self) -> BTreeMap<Arc<str>, Vec<Arc<str>>> {
+        self.table.values(&self.part)
+    }
 }
 
 /// Axes and values of a library, by numbers, as the walk needs them.
@@ -54,7 +64,6 @@ struct Value {
     name: Arc<str>,
     gives: FeatureSet,
     needs: FeatureSet,
-    numbers: EffectNumbers,
 }
 
 /// A claim that values of several axes may contradict each other in.
@@ -95,14 +104,14 @@ impl Table {
             let mut values: Vec<_> = axis.values.iter().collect();
             values.sort_by_key(|(name, _)| axis.default.as_deref() != Some(&***name));
             let values = values.into_iter().map(|(name, effect)| {
-                let numbers = effect.numbers.clone();
+                let numbers = &effect.numbers;
                 let mut gives = numbers.provided.clone();
                 for (_, feature) in library.features().iter() {
                     if numbers.features.contains(feature) {
                         gives.insert(table.capabilities + feature);
                     }
                 }
-                for claim in table.claims_of(&numbers) {
+                for claim in table.claims_of(numbers) {
                     let next = first + table.claims.len();
                     gives.insert(*table.claims.entry(claim).or_insert(next));
                 }
@@ -110,7 +119,6 @@ impl Table {
                     name: name.clone(),
                     gives,
                     needs: numbers.needed.clone(),
-                    numbers,
                 }
             });
             let values = values.collect();
@@ -469,11 +477,11 @@ struct Walk {
 }
 
 /// Calls `visit` with each permutation of `part`, always in the same order.
-pub(crate) fn walk(
-    library: &Library,
+pub(crate) fn walk<'a>(
+    library: &'a Library,
     part: Part,
     reader: &dyn Reader,
-    visit: &mut dyn FnMut(Variant),
+    visit: &mut dyn FnMut(Variant<'a>),
 ) {
     let table = library.table();
     let features = library.features().iter().count();
@@ -511,8 +519,8 @@ pub(crate) fn walk(
                 visit(Variant {
                     fault: fault.map(|fault| fault.key(&key).into()),
                     key,
-                    keys: table.count(&walk.part),
-                    values: table.values(&walk.part),
+                    table,
+                    part: walk.part,
                 });
             }
         }
