@@ -4,9 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Deserialize;
 
-use crate::{
-    Cause, Error, Fault, Key, error::nearest, features::FeatureSet, file::SourceText, ron_text,
-};
+use crate::{Cause, Error, Fault, Key, bits::Bits, error::nearest, file::SourceText, ron_text};
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
@@ -76,11 +74,11 @@ impl CountFetches {
 pub(crate) struct EffectNumbers {
     pub(crate) root: Option<usize>,
     pub(crate) bind: Vec<(usize, usize)>,
-    pub(crate) features: FeatureSet,
+    pub(crate) features: Bits,
     pub(crate) counting: Option<Counting>,
     /// Capabilities, by their numbers among the library's.
-    pub(crate) provided: FeatureSet,
-    pub(crate) needed: FeatureSet,
+    pub(crate) provided: Bits,
+    pub(crate) needed: Bits,
 }
 
 /// A demand that a function be called before each texture fetch.

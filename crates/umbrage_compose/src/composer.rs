@@ -9,14 +9,15 @@ use std::{
 
 use crate::{
     Error, Fault, Key, Library, Permutation, Target,
+    bits::Bits,
     cache::DiskCache,
-    features::{Consulted, FeatureSet, Features},
+    features::Features,
     fetches,
     library::Request,
     link::{Roots, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, Projections, dependencies, project},
-    space::{Known, Read, Reader, Variant, walk},
+    space::{Known, Read, Variants},
     store::Look,
     unit::{Refusal, Unit, parse},
 };
@@ -34,18 +35,72 @@ pub struct Composer {
     /// By key, and by projected key.
     memory: RwLock<HashMap<Key, Arc<Permutation>>>,
     /// By module.
-    modules: Vec<RwLock<Vec<Arc<Entry>>>>,
+    modules: Vec<RwLock<Readings>>,
 }
 
 /// A module under features that agree on what it consults.
 #[derive(Debug)]
 struct Entry {
-    consulted: Consulted,
-    /// The features that were asked for, in the order of the questions.
-    asked: Vec<usize>,
     prepared: Result<Arc<Prepared>, Fault>,
     /// Shared by entries of the same text and filters.
     unit: Arc<OnceLock<Result<Arc<Unit>, Refusal>>>,
+}
+
+/// Entries of a module, found by the answers to its questions for features, in the order in which it asks them.
+#[derive(Debug)]
+struct Readings {
+    /// The first is the root.
+    nodes: Vec<Reading>,
+}
+
+#[derive(Clone, Debug)]
+enum Reading {
+    Unknown,
+    /// Asks for a feature: the nodes for when it is off and on.
+    Asks(usize, [usize; 2]),
+    Ends(Arc<Entry>),
+}
+
+impl Default for Readings {
+    fn default() -> Self {
+        let nodes = vec![Reading::Unknown];
+        Self { nodes }
+    }
+}
+
+impl Readings {
+    /// Place at the end of the answers: an entry, nothing known yet, or the first feature that has no answer.
+    fn find(&self, answer: impl Fn(usize) -> Option<bool>) -> (usize, &Reading) {
+        let mut at = 0;
+        while let Reading::Asks(feature, nodes) = &self.nodes[at] {
+            match answer(*feature) {
+                Some(on) => at = nodes[usize::from(on)],
+                None => break,
+            }
+        }
+        (at, &self.nodes[at])
+    }
+
+    /// Adds `entry`, found by asking for the features `asked`, of which `enabled` are on.
+    fn add(&mut self, asked: &[usize], enabled: &Bits, entry: Arc<Entry>) {
+        for &feature in asked {
+            let (at, node) = self.find(|feature| Some(enabled.contains(feature)));
+            if matches!(node, Reading::Unknown) {
+                let next = self.nodes.len();
+                self.nodes[at] = Reading::Asks(feature, [next, next + 1]);
+                self.nodes.extend([Reading::Unknown, Reading::Unknown]);
+            }
+        }
+        let (at, _) = self.find(|feature| Some(enabled.contains(feature)));
+        self.nodes[at] = Reading::Ends(entry);
+    }
+
+    fn entries(&self) -> impl Iterator<Item = &Arc<Entry>> {
+        self.nodes.iter().filter_map(|node| match node {
+            Reading::Ends(entry) => Some(entry),
+            _ => None,
+        })
+    }
 }
 
 /// A permutation, and how it was come by.
@@ -337,18 +392,21 @@ impl Composer {
             .or_insert_with(|| permutation.clone());
     }
 
-    fn entry(&self, module: usize, enabled: &FeatureSet) -> Arc<Entry> {
+    fn entry(&self, module: usize, enabled: &Bits) -> Arc<Entry> {
         let lock = &self.modules[module];
-        let agrees = |entries: &[Arc<Entry>]| {
-            let mut known = entries.iter();
-            known.find(|entry| entry.consulted.agrees(enabled)).cloned()
+        let known = |readings: &Readings| {
+            let (_, found) = readings.find(|feature| Some(enabled.contains(feature)));
+            match found {
+                Reading::Ends(entry) => Some(entry.clone()),
+                _ => None,
+            }
         };
-        let known = agrees(
+        let found = known(
             &lock
                 .read()
                 .unwrap_or_else(std::sync::PoisonError::into_inner),
         );
-        if let Some(entry) = known {
+        if let Some(entry) = found {
             return entry;
         }
         let asked = RefCell::default();
@@ -358,19 +416,11 @@ impl Composer {
             asked: &asked,
         };
         let prepared = prepare(&self.library, module, &features).map(Arc::new);
-        let asked = asked.into_inner();
-        let mut consulted = Consulted::default();
-        for &feature in &asked {
-            consulted.asked.insert(feature);
-            if enabled.contains(feature) {
-                consulted.found.insert(feature);
-            }
-        }
-        let mut entries = lock
+        let mut readings = lock
             .write()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         // Another thread may have been faster.
-        if let Some(entry) = agrees(&entries) {
+        if let Some(entry) = known(&readings) {
             return entry;
         }
         let same = |entry: &&Arc<Entry>| match (&entry.prepared, &prepared) {
@@ -382,68 +432,40 @@ impl Composer {
             }
             _ => false,
         };
-        let unit = entries
-            .iter()
-            .find(same)
-            .map_or_else(Arc::default, |entry| entry.unit.clone());
-        let entry = Arc::new(Entry {
-            consulted,
-            asked,
-            prepared,
-            unit,
-        });
-        entries.push(entry.clone());
+        let unit = readings.entries().find(same);
+        let unit = unit.map_or_else(Arc::default, |entry| entry.unit.clone());
+        let entry = Arc::new(Entry { prepared, unit });
+        readings.add(&asked.into_inner(), enabled, entry.clone());
         entry
     }
 
-    /// Calls `visit` with each permutation of the whole space, once, always in the same order. Keys are not listed:
-    /// the work follows the number of permutations.
-    pub fn for_each_variant<'a>(&'a self, visit: &mut dyn FnMut(Variant<'a>)) {
-        let whole = self.library.table().whole();
-        walk(&self.library, whole, self, visit);
+    /// Each distinct permutation of the whole space, once, always in the same order. Keys are not listed: the work
+    /// follows the number of permutations, and memory the depth of the questions that tell them apart.
+    pub fn variants(&self) -> Variants<'_> {
+        Variants::new(self, self.library.table().whole())
     }
 
-    /// Number of all legal keys.
-    pub fn legal_keys(&self) -> u128 {
-        let table = self.library.table();
-        table.count(&table.whole())
-    }
-}
-
-impl Reader for Composer {
-    fn read(&self, module: usize, known: &Known) -> Read {
-        let undecided = |entry: &Entry| {
-            for &feature in &entry.asked {
-                match known.decided(feature) {
-                    None => return Some(Some(feature)),
-                    Some(enabled) if enabled != entry.consulted.found.contains(feature) => {
-                        return None;
-                    }
-                    Some(_) => {}
-                }
-            }
-            Some(None)
-        };
-        let read = |entry: &Arc<Entry>| {
-            Some(match (undecided(entry)?, &entry.prepared) {
-                (Some(feature), _) => Read::Undecided(feature),
-                (None, Ok(prepared)) => Read::Module(prepared.clone()),
-                (None, Err(fault)) => Read::Fault(fault.clone()),
-            })
-        };
-        let entries = self.modules[module]
+    /// `module` under features of which some are undecided.
+    pub(crate) fn read_undecided(&self, module: usize, known: &Known) -> Read {
+        let readings = self.modules[module]
             .read()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(found) = entries.iter().find_map(read) {
-            return found;
-        }
-        drop(entries);
-        // Its first questions are the same whatever the undecided features are.
-        let entry = self.entry(module, &known.certain);
-        read(&entry).unwrap_or_else(|| match &entry.prepared {
+        let (_, found) = readings.find(|feature| known.decided(feature));
+        let found = found.clone();
+        drop(readings);
+        let entry = match found {
+            Reading::Asks(feature, _) => return Read::Undecided(feature),
+            Reading::Ends(entry) => entry,
+            // Its next questions, up to the first undecided one, are the same however that one is answered.
+            Reading::Unknown => {
+                self.entry(module, &known.certain);
+                return self.read_undecided(module, known);
+            }
+        };
+        match &entry.prepared {
             Ok(prepared) => Read::Module(prepared.clone()),
             Err(fault) => Read::Fault(fault.clone()),
-        })
+        }
     }
 }
 
@@ -467,7 +489,7 @@ fn leads(from: &[usize], to: usize, modules: &dyn Modules) -> bool {
 /// The composer's modules under some features.
 struct WithFeatures<'a> {
     composer: &'a Composer,
-    enabled: &'a FeatureSet,
+    enabled: &'a Bits,
 }
 
 impl Modules for WithFeatures<'_> {

@@ -5,7 +5,7 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use crate::{Cause, Fault, error::nearest};
+use crate::{Cause, Fault, bits::Bits, error::nearest};
 
 /// The features that a library knows, each with a number.
 #[derive(Clone, Debug, Default)]
@@ -28,8 +28,8 @@ impl FeatureNames {
     }
 
     /// The set of those of `names` that are known.
-    pub(crate) fn set(&self, names: &[String]) -> FeatureSet {
-        let mut set = FeatureSet::default();
+    pub(crate) fn set(&self, names: &[String]) -> Bits {
+        let mut set = Bits::default();
         for number in names.iter().filter_map(|name| self.number(name)) {
             set.insert(number);
         }
@@ -41,92 +41,15 @@ impl FeatureNames {
     }
 }
 
-/// A set of features by their numbers.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct FeatureSet(Vec<u64>);
-
-impl FeatureSet {
-    pub(crate) fn insert(&mut self, number: usize) {
-        let word = number / 64;
-        if self.0.len() <= word {
-            self.0.resize(word + 1, 0);
-        }
-        self.0[word] |= 1 << (number % 64);
-    }
-
-    pub(crate) fn contains(&self, number: usize) -> bool {
-        self.word(number / 64) >> (number % 64) & 1 == 1
-    }
-
-    /// Whether this set and `other` have the same members among those of `mask`.
-    pub(crate) fn same_among(&self, other: &Self, mask: &Self) -> bool {
-        let words = mask.0.iter().enumerate();
-        words
-            .into_iter()
-            .all(|(i, mask)| (self.word(i) ^ other.word(i)) & mask == 0)
-    }
-
-    pub(crate) fn intersect(&mut self, other: &Self) {
-        self.0.truncate(other.0.len());
-        self.0
-            .iter_mut()
-            .zip(&other.0)
-            .for_each(|(word, other)| *word &= other);
-        self.trim();
-    }
-
-    pub(crate) fn remove_all(&mut self, other: &Self) {
-        self.0
-            .iter_mut()
-            .zip(&other.0)
-            .for_each(|(word, other)| *word &= !other);
-        self.trim();
-    }
-
-    /// Drops empty words at the end, so that equal sets are equal values.
-    fn trim(&mut self) {
-        while self.0.last() == Some(&0) {
-            self.0.pop();
-        }
-    }
-
-    /// Whether all members of `other` are members of this set.
-    pub(crate) fn has_all(&self, other: &Self) -> bool {
-        let words = other.0.iter().enumerate();
-        words.into_iter().all(|(i, word)| word & !self.word(i) == 0)
-    }
-
-    fn word(&self, index: usize) -> u64 {
-        self.0.get(index).copied().unwrap_or(0)
-    }
-
-    pub(crate) fn union(&mut self, other: &Self) {
-        if self.0.len() < other.0.len() {
-            self.0.resize(other.0.len(), 0);
-        }
-        // No set ends in an empty word, so neither does a union.
-        for (word, other) in self.0.iter_mut().zip(&other.0) {
-            *word |= other;
-        }
-    }
-}
-
 /// The features that were asked for, and which of them were found enabled: two sets of features that
 /// agree on these give the same answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Consulted {
-    pub(crate) asked: FeatureSet,
-    pub(crate) found: FeatureSet,
+    pub(crate) asked: Bits,
+    pub(crate) found: Bits,
 }
 
 impl Consulted {
-    /// Whether `enabled` gives the same answers.
-    pub(crate) fn agrees(&self, enabled: &FeatureSet) -> bool {
-        let words = self.asked.0.len();
-        (0..words)
-            .all(|index| enabled.word(index) & self.asked.word(index) == self.found.word(index))
-    }
-
     pub(crate) fn union(&mut self, other: &Self) {
         self.asked.union(&other.asked);
         self.found.union(&other.found);
@@ -137,7 +60,7 @@ impl Consulted {
 #[derive(Clone, Copy)]
 pub(crate) struct Features<'a> {
     pub(crate) names: &'a FeatureNames,
-    pub(crate) enabled: &'a FeatureSet,
+    pub(crate) enabled: &'a Bits,
     /// Features that were asked for, in the order of the first questions. Which question comes next depends on the
     /// answers before it alone.
     pub(crate) asked: &'a RefCell<Vec<usize>>,

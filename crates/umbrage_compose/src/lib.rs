@@ -88,6 +88,7 @@
 
 mod axes;
 mod bindings;
+mod bits;
 mod cache;
 mod capabilities;
 mod composer;
@@ -111,6 +112,7 @@ mod manifest;
 mod names;
 mod overrides;
 mod package;
+mod parts;
 mod permutation;
 mod prepare;
 mod product;
@@ -147,7 +149,7 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
-pub use space::Variant;
+pub use space::{Variant, Variants};
 pub use store::{Kind, Look, Store};
 pub use target::{Limit, Target};
 pub use when::{RonFile, When};

@@ -8,13 +8,14 @@ use std::{
 use crate::{
     Axes, Cause, Error, Fault, Key, Package,
     axes::{CountFetches, Counting, EffectNumbers},
+    bits::Bits,
     capabilities,
     error::nearest,
-    features::{FeatureNames, FeatureSet},
+    features::FeatureNames,
     names::may_stand_in_paths,
     package::Dependency,
+    parts::{Question, Table},
     source::{Source, Syntax},
-    space::Table,
 };
 
 /// Packages, with their modules and axes. Cheap to clone.
@@ -46,7 +47,7 @@ pub(crate) struct Request {
     pub(crate) root: usize,
     /// Interfaces and the modules that implement them.
     pub(crate) bindings: BTreeMap<usize, usize>,
-    pub(crate) features: FeatureSet,
+    pub(crate) features: Bits,
     /// What is to be called before each texture fetch.
     pub(crate) counting: Vec<Counting>,
 }
@@ -149,7 +150,13 @@ impl Library {
         Ok(self.axes().key(choices)?)
     }
 
-    /// The axes as the walk through the space needs them.
+    /// Number of the legal keys, at most `u128::MAX`.
+    pub fn legal_keys(&self) -> u128 {
+        let table = self.table();
+        table.count(&table.whole())
+    }
+
+    /// The axes as parts of the space need them.
     pub(crate) fn table(&self) -> &Table {
         self.0.table.get_or_init(|| Table::new(self))
     }
@@ -224,24 +231,8 @@ impl Library {
         let mut root = None;
         let mut request = Request::default();
         for (_, effect) in self.axes().effects(key) {
-            if let Some(other) = effect.numbers.root
-                && root.replace(other).is_some_and(|root| root != other)
-            {
-                let message = format!("two choices of the key {key} each name a root module");
-                return Err(Fault::new(Cause::Key, message)
-                    .note("keep them apart by what they need and provide in axes.ron, or give one of them another way"));
-            }
-            for &(interface, bound) in &effect.numbers.bind {
-                let before = request.bindings.insert(interface, bound);
-                if before.is_some_and(|before| before != bound) {
-                    let path = &self.source(interface).path;
-                    let message =
-                        format!("two choices of the key {key} bind `{path}` to different modules");
-                    return Err(Fault::new(Cause::Key, message).note(
-                        "keep them apart by what they need and provide in axes.ron, or let one choice bind it",
-                    ));
-                }
-            }
+            root = effect.numbers.root.or(root);
+            request.bindings.extend(effect.numbers.bind.iter().copied());
             request.features.union(&effect.numbers.features);
             request.counting.extend(effect.numbers.counting.clone());
         }
@@ -285,8 +276,31 @@ impl Library {
         }
         capabilities::check(self.axes()).map_err(|misuse| {
             let path: Vec<_> = misuse.path.iter().map(String::as_str).collect();
-            locate(misuse.fault, packages, &path).into()
-        })
+            locate(misuse.fault, packages, &path)
+        })?;
+        match self.table().contradiction() {
+            Some((question, values)) => Err(self.contradiction(packages, question, values).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Fault of two values that answer `question` differently.
+    fn contradiction(&self, packages: &[Package], question: Question, values: [usize; 2]) -> Fault {
+        let [(axis, value), (other_axis, other)] = values.map(|value| self.table().name(value));
+        let message = match question {
+            Question::Binding(interface) => format!(
+                "{axis}={value} and {other_axis}={other} bind `{}` to different modules, and may go together",
+                self.source(interface).path
+            ),
+            _ => format!(
+                "{axis}={value} and {other_axis}={other} each name a root module, and may go together"
+            ),
+        };
+        let fault = Fault::new(Cause::Manifest, message).note(
+            "let one of them need what only values without the other provide, or bind in one place only",
+        );
+        let fault = locate(fault, packages, &[axis, "values", value]);
+        locate(fault, packages, &[other_axis, "values", other])
     }
 
     pub(crate) fn no_module(&self, cause: Cause, path: &str) -> Fault {

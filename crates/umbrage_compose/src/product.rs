@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     Axes, Axis, Cause, Fault,
-    features::FeatureSet,
+    bits::Bits,
     file::SourceText,
     key,
     manifest::{Choice, in_manifest},
@@ -40,8 +40,8 @@ pub(crate) struct Legality {
 
 #[derive(Clone, Default)]
 struct Needs {
-    provided: FeatureSet,
-    needed: FeatureSet,
+    provided: Bits,
+    needed: Bits,
 }
 
 /// Combinations of a product that a rule excludes.

@@ -59,7 +59,7 @@ pub(crate) fn dependencies(
 /// same answers, the one with defaults as far as they are legal. None where `request` is of no legal key.
 pub(crate) fn project(library: &Library, request: &Request, found: &Dependencies) -> Option<Key> {
     let table = library.table();
-    let part = table.same(request, found, library.features().iter().count());
+    let part = table.same(request, found);
     Some(table.key(&table.first(&part)?))
 }
 

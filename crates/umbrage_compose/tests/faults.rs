@@ -210,7 +210,7 @@ fn keys() {
     );
 }
 
-/// Two choices that ask for different things are no key.
+/// Choices that ask for different things and may go together are refused with the library.
 #[test]
 fn choices_that_contradict_each_other() {
     let axes = AXES.replace(
