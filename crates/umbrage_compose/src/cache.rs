@@ -82,8 +82,8 @@ impl DiskCache {
             );
             part(format!("{asked:?}").as_bytes());
         }
-        for module in &dependencies.modules {
-            let source = library.source(*module);
+        for module in dependencies.modules.iter() {
+            let source = library.source(module);
             part(source.path.as_bytes());
             part(source.text.as_bytes());
         }

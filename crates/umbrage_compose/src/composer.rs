@@ -14,7 +14,7 @@ use crate::{
     features::Features,
     fetches,
     library::Request,
-    link::{Roots, Units, link},
+    link::{Origins, Roots, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, Projections, dependencies, project},
     space::{Known, Read, Variants},
@@ -298,26 +298,7 @@ impl Composer {
                 Look::Dropped(warning) => warnings.push(warning),
             }
         }
-        let with = WithFeatures {
-            composer: self,
-            enabled: &request.features,
-        };
-        // Naga checks a module's assertions when it parses it, which constants alone do not ask for.
-        for &module in &found.modules {
-            if self.library.source(module).text.contains("const_assert") {
-                with.unit(module)?;
-            }
-        }
-        let linked = link(&self.library, &request, &with, Roots::EntryPoints)?;
-        let permutation = Permutation::new(
-            &self.library,
-            &self.target,
-            projected.clone(),
-            (request.root, linked),
-        )?;
-        for counting in &request.counting {
-            fetches::check(&self.library, request.root, counting, &permutation.module)?;
-        }
+        let (permutation, _) = self.make(&request, &found.modules, projected.clone())?;
         if let Some((disk, name)) = &name {
             warnings.extend(disk.keep(name, &permutation));
         }
@@ -331,19 +312,51 @@ impl Composer {
         })
     }
 
+    /// Links and checks what `request` asks for, for which `modules` were read.
+    pub(crate) fn make(
+        &self,
+        request: &Request,
+        modules: &Bits,
+        projected: Key,
+    ) -> Result<(Permutation, Origins), Fault> {
+        let with = WithFeatures {
+            composer: self,
+            enabled: &request.features,
+        };
+        // Naga checks a module's assertions when it parses it, which constants alone do not ask for.
+        for module in modules.iter() {
+            if self.library.source(module).has_assertions() {
+                with.unit(module)?;
+            }
+        }
+        let (module, origins) = link(&self.library, request, &with, Roots::EntryPoints)?;
+        let linked = (module, &origins);
+        let (library, root) = (&self.library, request.root);
+        let permutation = Permutation::new(library, &self.target, projected, root, linked)?;
+        for counting in &request.counting {
+            fetches::check(library, root, counting, &permutation.module)?;
+        }
+        Ok((permutation, origins))
+    }
+
+    /// The unit of `module` under `features`.
+    pub(crate) fn unit(&self, module: usize, features: &Bits) -> Result<Arc<Unit>, Fault> {
+        let with = WithFeatures {
+            composer: self,
+            enabled: features,
+        };
+        with.unit(module)
+    }
+
     /// Links all that the module numbered `root` declares.
     pub(crate) fn link_declarations(&self, request: &Request) -> Result<Permutation, Fault> {
         let with = WithFeatures {
             composer: self,
             enabled: &request.features,
         };
-        let linked = link(&self.library, request, &with, Roots::Declarations)?;
-        Permutation::new(
-            &self.library,
-            &self.target,
-            Key::default(),
-            (request.root, linked),
-        )
+        let (module, origins) = link(&self.library, request, &with, Roots::Declarations)?;
+        let (key, linked) = (Key::default(), (module, &origins));
+        Permutation::new(&self.library, &self.target, key, request.root, linked)
     }
 
     /// Reads the modules that `key` leads to.

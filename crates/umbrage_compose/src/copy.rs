@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
 
-use crate::{Fault, link::Linker, unit::Unit};
+use crate::{Fault, link::Linker, reach::Program as _, unit::Unit};
 
 impl Linker<'_> {
     pub(crate) fn ty(

@@ -91,6 +91,7 @@ mod bindings;
 mod bits;
 mod cache;
 mod capabilities;
+mod checker;
 mod composer;
 mod copy;
 mod diagnostics;
@@ -136,6 +137,7 @@ mod words;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
+pub use checker::{Checked, Checker};
 pub use composer::{Composed, Composer, Nearness, Projected, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use key::Key;

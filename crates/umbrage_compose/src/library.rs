@@ -2,8 +2,10 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
-    sync::{Arc, OnceLock},
+    sync::{Arc, OnceLock, PoisonError, RwLock},
 };
+
+use rustc_hash::FxHashMap;
 
 use crate::{
     Axes, Cause, Error, Fault, Key, Package,
@@ -33,6 +35,8 @@ struct Inner {
     axes: Axes,
     features: FeatureNames,
     table: OnceLock<Table>,
+    /// Numbers of names, by which items are told apart faster than by text.
+    names: RwLock<FxHashMap<String, u32>>,
 }
 
 #[derive(Debug)]
@@ -128,6 +132,7 @@ impl Library {
             axes,
             features,
             table: OnceLock::new(),
+            names: RwLock::default(),
         }));
         library.check_axes(&packages)?;
         Ok(library)
@@ -159,6 +164,18 @@ impl Library {
     /// The axes as parts of the space need them.
     pub(crate) fn table(&self) -> &Table {
         self.0.table.get_or_init(|| Table::new(self))
+    }
+
+    /// Number of a name: equal names have equal numbers.
+    pub(crate) fn number(&self, name: &str) -> u32 {
+        let names = self.0.names.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(number) = names.get(name) {
+            return *number;
+        }
+        drop(names);
+        let mut names = self.0.names.write().unwrap_or_else(PoisonError::into_inner);
+        let next = names.len() as u32;
+        *names.entry(name.to_owned()).or_insert(next)
     }
 
     pub(crate) fn features(&self) -> &FeatureNames {

@@ -14,12 +14,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::{
     Cause, Fault, Library, bindings,
     diagnostics::Filters,
-    instances::{self, Call, Origins},
+    instances::{self, Call},
     interface,
     library::Request,
     names::Item,
     overrides,
-    reach::{DEEPEST_CALLS, FunctionId, Reach, reach},
+    reach::{DEEPEST_CALLS, FunctionId, Program, Reach, reach},
     unit::{Unit, private_roots},
 };
 
@@ -32,10 +32,11 @@ pub(crate) enum Roots {
     Declarations,
 }
 
-/// A linked module, and the declaration that each of its variables and overrides came from.
-pub(crate) struct Linked {
-    pub(crate) module: Module,
+/// The declarations that a linked module's parts came from.
+#[derive(Debug)]
+pub(crate) struct Origins {
     pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
+    pub(crate) functions: FxHashMap<Handle<Function>, FunctionId>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
     /// Diagnostic filters of each module that something was copied from.
     pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
@@ -52,7 +53,7 @@ pub(crate) fn link(
     request: &Request,
     units: &dyn Units,
     roots: Roots,
-) -> Result<Linked, Fault> {
+) -> Result<(Module, Origins), Fault> {
     let mut targets = Targets {
         library,
         request,
@@ -73,7 +74,6 @@ pub(crate) fn link(
         globals: FxHashMap::default(),
         constants: FxHashMap::default(),
         overrides: FxHashMap::default(),
-        dropped: false,
         own_names: FxHashSet::default(),
     };
     linker.link()
@@ -90,8 +90,12 @@ pub(crate) struct Targets<'a> {
     checked: FxHashSet<usize>,
 }
 
-impl Targets<'_> {
-    pub(crate) fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+impl Program for Targets<'_> {
+    fn library(&self) -> &Library {
+        self.library
+    }
+
+    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
         if let Some(unit) = self.taken.borrow().get(&module) {
             return Ok(unit.clone());
         }
@@ -100,8 +104,7 @@ impl Targets<'_> {
         Ok(unit)
     }
 
-    /// The function that `called`, a function or a stand-in in its module's unit, stands for.
-    pub(crate) fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault> {
+    fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault> {
         if let Some(target) = self.known.get(&called) {
             return Ok(*target);
         }
@@ -120,7 +123,9 @@ impl Targets<'_> {
         self.known.insert(called, target);
         Ok(target)
     }
+}
 
+impl Targets<'_> {
     /// Calls from module to module that were followed, ordered by the calling module and the names that it calls by.
     fn calls(&self) -> Result<Vec<Call>, Fault> {
         let mut calls = Vec::new();
@@ -204,14 +209,12 @@ pub(crate) struct Linker<'a> {
     pub(crate) globals: FxHashMap<Item, Handle<GlobalVariable>>,
     pub(crate) constants: FxHashMap<Item, Handle<Constant>>,
     pub(crate) overrides: FxHashMap<Item, Handle<Override>>,
-    /// Whether something was left out, and may have left unused things behind.
-    dropped: bool,
     /// Names that are the root module's alone.
     own_names: FxHashSet<String>,
 }
 
 impl Linker<'_> {
-    fn link(mut self) -> Result<Linked, Fault> {
+    fn link(mut self) -> Result<(Module, Origins), Fault> {
         let root = self.targets.request.root;
         let unit = self.targets.unit(root)?;
         if self.roots == Roots::Declarations {
@@ -234,7 +237,7 @@ impl Linker<'_> {
         let functions = places(&self.functions, &self.out.functions);
         let globals = places(&self.globals, &self.out.global_variables);
         let overrides = places(&self.overrides, &self.out.overrides);
-        if self.dropped && self.roots == Roots::EntryPoints {
+        if self.reach.left_out {
             // What stores and calls left behind would be computed for nothing.
             naga::compact::compact(&mut self.out, naga::compact::KeepUnused::No);
         }
@@ -248,7 +251,7 @@ impl Linker<'_> {
             let unit = self.targets.unit(id.0)?;
             names.insert(*id, unit.functions[&id.1].name.clone());
         }
-        instances::check(&Origins {
+        instances::check(&instances::Origins {
             library,
             root,
             module: &self.out,
@@ -262,12 +265,13 @@ impl Linker<'_> {
         let filters = taken
             .into_iter()
             .map(|(module, unit)| (module, unit.filters.clone()));
-        Ok(Linked {
-            module: self.out,
+        let origins = Origins {
             owners,
+            functions,
             overrides,
             filters: filters.collect(),
-        })
+        };
+        Ok((self.out, origins))
     }
 
     fn declarations(&mut self, root: usize, unit: &Arc<Unit>) -> Result<(), Fault> {
@@ -429,7 +433,10 @@ impl Linker<'_> {
         let dead: Vec<_> = roots
             .iter()
             .map(|root| {
-                root.is_some_and(|global| !self.reach.reads.contains(&unit.globals[&global]))
+                root.is_some_and(|global| {
+                    let number = unit.globals[&global].number(self.targets.library);
+                    !self.reach.reads.contains(&number)
+                })
             })
             .collect();
         self.block(module, &dead, &mut function.body)?;
@@ -486,7 +493,6 @@ impl Linker<'_> {
             kept.push(keep);
         }
         if kept.contains(&false) {
-            self.dropped = true;
             let whole = std::mem::take(block);
             for ((statement, span), keep) in whole.span_into_iter().zip(kept) {
                 if keep {

@@ -20,6 +20,15 @@ pub(crate) struct Item {
     pub(crate) name: String,
 }
 
+/// An item by numbers: its module's, and [the library's](Library::number) of its name.
+pub(crate) type ItemNumber = (u32, u32);
+
+impl Item {
+    pub(crate) fn number(&self, library: &Library) -> ItemNumber {
+        (self.module as u32, library.number(&self.name))
+    }
+}
+
 /// What an imported name stands for.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {

@@ -50,6 +50,8 @@ struct Value {
     name: Arc<str>,
     gives: Bits,
     needs: Bits,
+    /// What it asks of the linker.
+    numbers: EffectNumbers,
 }
 
 /// Asks for one of several modules, or for a count of fetches.
@@ -99,6 +101,7 @@ impl Table {
                     name: name.clone(),
                     gives,
                     needs: effect.numbers.needed.clone(),
+                    numbers: effect.numbers.clone(),
                 });
             }
             table.axes.push(Choices {
@@ -305,6 +308,26 @@ impl Table {
     pub(crate) fn name(&self, value: usize) -> (&str, &str) {
         let axis = self.axes.iter().find(|axis| axis.values.contains(&value));
         (axis.map_or("", |axis| &axis.name), &self.values[value].name)
+    }
+
+    /// What the values `chosen` ask of the linker; the root is 0 where none of them names one.
+    pub(crate) fn request(&self, chosen: &[usize]) -> Request {
+        let mut request = Request::default();
+        for value in chosen {
+            let numbers = &self.values[*value].numbers;
+            request.root = numbers.root.unwrap_or(request.root);
+            request.bindings.extend(numbers.bind.iter().copied());
+            request.features.union(&numbers.features);
+            request.counting.extend(numbers.counting.clone());
+        }
+        request
+    }
+
+    /// A number for how fetches are counted.
+    pub(crate) fn counting(&self, counting: &[Counting]) -> u64 {
+        let known = self.countings.iter().enumerate();
+        let known = known.filter(|(_, known)| counting.contains(known));
+        known.map(|(bit, _)| 1 << bit).sum()
     }
 
     /// The keys that give `request`'s answers to all that was `found` to be asked.

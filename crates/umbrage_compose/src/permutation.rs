@@ -12,7 +12,7 @@ use crate::{
     Cause, Error, Fault, Key, Library, Reflection, Target,
     diagnostics::{Places, Written},
     lacking,
-    link::Linked,
+    link::Origins,
     names::Item,
     overrides,
     reflect::reflect,
@@ -43,40 +43,41 @@ impl Permutation {
         library: &Library,
         target: &Target,
         key: Key,
-        (root, linked): (usize, Linked),
+        root: usize,
+        (module, origins): (Module, &Origins),
     ) -> Result<Self, Fault> {
         let subject = Subject {
             library,
             target,
             root,
-            module: &linked.module,
+            module: &module,
         };
         let constants = subject.check_before_validation()?;
-        let info = validate(&linked.module, target)
-            .map_err(|error| validation_fault(library, target, (root, &linked.module), &error))?;
+        let info = validate(&module, target)
+            .map_err(|error| validation_fault(library, target, (root, &module), &error))?;
         let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
-        let settable = overrides::reflect(&linked.module, &info, |handle| {
-            linked.overrides.get(&handle).map(declared)
+        let settable = overrides::reflect(&module, &info, |handle| {
+            origins.overrides.get(&handle).map(declared)
         });
-        let owner = |handle| linked.owners.get(&handle).map(declared);
-        let reflection = reflect(&linked.module, &info, owner, settable);
+        let owner = |handle| origins.owners.get(&handle).map(declared);
+        let reflection = reflect(&module, &info, owner, settable);
         subject.check(&info, &reflection, &constants)?;
         let places = Places {
             library,
-            filters: &linked.filters,
+            filters: &origins.filters,
         };
         let mut told = places.idle_filters();
-        told.extend(uniformity::check(&linked.module, &places)?);
-        let written = Written::new(&linked.module, &places);
-        if wgsl::is_doubtful(&linked.module)
-            && let Err(error) = wgsl::write(&linked.module, &info, &written)
+        told.extend(uniformity::check(&module, &places)?);
+        let written = Written::new(&module, &places);
+        if wgsl::is_doubtful(&module)
+            && let Err(error) = wgsl::write(&module, &info, &written)
         {
             return Err(wgsl_fault(library, root, &reflection, &error));
         }
         Ok(Self {
             warnings: told.iter().map(ToString::to_string).collect(),
             key,
-            module: linked.module,
+            module,
             info,
             reflection,
             written,

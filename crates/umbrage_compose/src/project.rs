@@ -10,15 +10,15 @@ use std::{
 };
 
 use crate::{
-    Cause, Fault, Key, Library, axes::EffectNumbers, features::Consulted, library::Request,
-    prepare::Prepared,
+    Cause, Fault, Key, Library, axes::EffectNumbers, bits::Bits, features::Consulted,
+    library::Request, prepare::Prepared,
 };
 
 /// What a request's permutation depends on.
 #[derive(Debug, Default)]
 pub(crate) struct Dependencies {
     /// The modules that are read, in the order of their numbers.
-    pub(crate) modules: BTreeSet<usize>,
+    pub(crate) modules: Bits,
     /// The features that were looked up.
     pub(crate) consulted: Consulted,
     /// The interfaces whose binding is needed.
@@ -38,9 +38,10 @@ pub(crate) fn dependencies(
     let mut found = Dependencies::default();
     let mut waiting = vec![request.root];
     while let Some(module) = waiting.pop() {
-        if !found.modules.insert(module) {
+        if found.modules.contains(module) {
             continue;
         }
+        found.modules.insert(module);
         let prepared = match modules.prepared(module) {
             Ok(prepared) => prepared,
             Err(fault) => return (found, Err(fault)),

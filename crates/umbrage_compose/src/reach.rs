@@ -4,14 +4,16 @@
 //! it has no effect, nor has a call that does nothing but write it: both are left out, and what
 //! only they led to is never copied.
 
+use std::sync::Arc;
+
 use naga::{Function, Handle};
 use rustc_hash::FxHashSet;
 
 use crate::{
-    Cause, Fault,
-    link::{Roots, Targets},
-    names::Item,
-    unit::Facts,
+    Cause, Fault, Library,
+    link::Roots,
+    names::ItemNumber,
+    unit::{Facts, Unit},
 };
 
 /// Calls nested deeper than this are refused: linking, validating and writing a shader recurse.
@@ -20,44 +22,61 @@ pub(crate) const DEEPEST_CALLS: usize = 256;
 /// A function of a module's unit.
 pub(crate) type FunctionId = (usize, Handle<Function>);
 
+/// Units of a permutation, and what calls in them lead to.
+pub(crate) trait Program {
+    fn library(&self) -> &Library;
+
+    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault>;
+
+    /// The function that `called`, a function or a stand-in in its module's unit, stands for.
+    fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault>;
+}
+
 /// What is reachable.
 #[derive(Debug, Default)]
 pub(crate) struct Reach {
     /// The private variables that something reads.
-    pub(crate) reads: FxHashSet<Item>,
+    pub(crate) reads: FxHashSet<ItemNumber>,
     /// The functions that have no effect but their result.
     pub(crate) idle: FxHashSet<FunctionId>,
+    /// Whether anything is left out: a call, or a store to a private variable.
+    pub(crate) left_out: bool,
 }
 
-pub(crate) fn reach(targets: &mut Targets<'_>, root: usize, roots: Roots) -> Result<Reach, Fault> {
+pub(crate) fn reach(program: &mut impl Program, root: usize, roots: Roots) -> Result<Reach, Fault> {
     let mut reach = Reach::default();
     if roots == Roots::Declarations {
         // Everything that is declared is kept: nothing counts as unread.
-        return keep_all(targets, root);
+        return keep_all(program, root);
     }
     // Reads only become more: what one round finds may keep alive what the next goes through.
     loop {
         let mut walk = Walk {
-            targets,
+            program,
             reads: &reach.reads,
             idle: FxHashSet::default(),
             seen: FxHashSet::default(),
             found: FxHashSet::default(),
+            left_out: false,
         };
-        let unit = walk.targets.unit(root)?;
+        let unit = walk.program.unit(root)?;
         for facts in &unit.entry_facts {
             walk.visit(root, facts, 0)?;
         }
-        let (found, idle) = (walk.found, walk.idle);
+        let (found, idle, left_out) = (walk.found, walk.idle, walk.left_out);
         let settled = found == reach.reads;
-        reach = Reach { reads: found, idle };
+        reach = Reach {
+            reads: found,
+            idle,
+            left_out,
+        };
         if settled {
             return Ok(reach);
         }
     }
 }
 
-fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
+fn keep_all(program: &mut impl Program, root: usize) -> Result<Reach, Fault> {
     let mut reach = Reach::default();
     let mut seen = FxHashSet::default();
     let mut modules = vec![root];
@@ -65,8 +84,10 @@ fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
         if !seen.insert(module) {
             continue;
         }
-        let unit = targets.unit(module)?;
-        reach.reads.extend(unit.globals.values().cloned());
+        let unit = program.unit(module)?;
+        let library = program.library();
+        let globals = unit.globals.values();
+        reach.reads.extend(globals.map(|item| item.number(library)));
         for handle in unit.functions.keys() {
             if unit.functions[handle].module != module {
                 // A stand-in that nothing calls may be of an interface that nothing is bound to.
@@ -75,7 +96,7 @@ fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
                     .flat_map(|facts| &facts.calls)
                     .any(|(callee, _)| callee == handle)
                 {
-                    modules.push(targets.target((module, *handle))?.0);
+                    modules.push(program.target((module, *handle))?.0);
                 }
             }
         }
@@ -83,35 +104,33 @@ fn keep_all(targets: &mut Targets<'_>, root: usize) -> Result<Reach, Fault> {
     Ok(reach)
 }
 
-struct Walk<'a, 'b> {
-    targets: &'a mut Targets<'b>,
-    reads: &'a FxHashSet<Item>,
+struct Walk<'a, P> {
+    program: &'a mut P,
+    reads: &'a FxHashSet<ItemNumber>,
     idle: FxHashSet<FunctionId>,
     seen: FxHashSet<FunctionId>,
-    found: FxHashSet<Item>,
+    found: FxHashSet<ItemNumber>,
+    left_out: bool,
 }
 
-impl Walk<'_, '_> {
+impl<P: Program> Walk<'_, P> {
     fn visit(&mut self, module: usize, facts: &Facts, depth: usize) -> Result<(), Fault> {
         if depth > DEEPEST_CALLS {
             let message = format!("calls nest more than {DEEPEST_CALLS} deep");
             return Err(Fault::new(Cause::Recursion, message)
-                .at(self.targets.library.source(module).place(0..0))
+                .at(self.program.library().source(module).place(0..0))
                 .note("let functions of this module call fewer of each other"));
         }
-        let unit = self.targets.unit(module)?;
-        self.found.extend(
-            facts
-                .reads
-                .iter()
-                .map(|global| unit.globals[global].clone()),
-        );
+        self.found.extend(&facts.reads);
+        let mut writes = facts.writes.iter();
+        self.left_out |= writes.any(|variable| !self.reads.contains(variable));
         for &(callee, unused) in &facts.calls {
-            let target = self.targets.target((module, callee))?;
+            let target = self.program.target((module, callee))?;
             // A call whose result is used is kept whatever else it does.
             let idle = unused && self.is_idle(target, &mut Vec::new())?;
+            self.left_out |= idle;
             if !idle && self.seen.insert(target) {
-                let unit = self.targets.unit(target.0)?;
+                let unit = self.program.unit(target.0)?;
                 self.visit(target.0, &unit.facts[target.1.index()], depth + 1)?;
             }
         }
@@ -127,19 +146,19 @@ impl Walk<'_, '_> {
         if above.contains(&id) || above.len() > DEEPEST_CALLS {
             return Ok(false);
         }
-        let unit = self.targets.unit(id.0)?;
+        let unit = self.program.unit(id.0)?;
         let facts = &unit.facts[id.1.index()];
         if facts.acts
             || facts
                 .writes
                 .iter()
-                .any(|global| self.reads.contains(&unit.globals[global]))
+                .any(|global| self.reads.contains(global))
         {
             return Ok(false);
         }
         above.push(id);
         for &(callee, _) in &facts.calls {
-            let target = self.targets.target((id.0, callee))?;
+            let target = self.program.target((id.0, callee))?;
             if !self.is_idle(target, above)? {
                 above.pop();
                 return Ok(false);

@@ -38,6 +38,11 @@ pub(crate) struct Syntax {
 }
 
 impl Source {
+    /// Whether it may have assertions.
+    pub(crate) fn has_assertions(&self) -> bool {
+        self.text.contains("const_assert")
+    }
+
     pub(crate) fn place(&self, range: Range<usize>) -> Place<'_> {
         self.place_labelled(range, "")
     }

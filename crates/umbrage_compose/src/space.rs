@@ -10,6 +10,7 @@ use std::{collections::BTreeSet, sync::Arc};
 use crate::{
     Cause, Composer, Error, Fault, Key,
     bits::Bits,
+    library::Request,
     parts::{Chosen, Part, Question, Table},
     prepare::Prepared,
 };
@@ -20,6 +21,8 @@ pub struct Variant<'a> {
     table: &'a Table,
     part: Part,
     chosen: Chosen,
+    /// Modules that were read.
+    modules: Bits,
     fault: Option<Fault>,
 }
 
@@ -34,6 +37,15 @@ impl Variant<'_> {
     pub fn fault(&self) -> Option<Error> {
         let fault = self.fault.clone()?;
         Some(fault.key(&self.key()).into())
+    }
+
+    /// What its keys ask of the linker.
+    pub(crate) fn request(&self) -> Request {
+        self.table.request(&self.chosen)
+    }
+
+    pub(crate) fn modules(&self) -> &Bits {
+        &self.modules
     }
 
     /// Number of the legal keys that make it, at most `u128::MAX`.
@@ -103,7 +115,7 @@ impl<'a> Variants<'a> {
                     Step::Split(sides) => walks.extend(sides),
                     Step::End(walk) => {
                         ended += 1;
-                        walks.push(walk);
+                        walks.push(*walk);
                     }
                 }
             }
@@ -121,7 +133,7 @@ impl<'a> Variants<'a> {
     fn step(composer: &Composer, mut walk: Walk) -> Step {
         let table = composer.library().table();
         let Some(question) = walk.go_on(composer) else {
-            return Step::End(walk);
+            return Step::End(Box::new(walk));
         };
         let sides = table.split((&walk.part, &walk.chosen), question);
         let sides = sides.into_iter().rev().map(|(answer, part, chosen)| {
@@ -149,6 +161,7 @@ impl<'a> Iterator for Variants<'a> {
                         table: self.composer.library().table(),
                         part: walk.part,
                         chosen: walk.chosen,
+                        modules: walk.seen,
                         fault: walk.fault,
                     });
                 }
@@ -160,7 +173,7 @@ impl<'a> Iterator for Variants<'a> {
 
 enum Step {
     Split(Vec<Walk>),
-    End(Walk),
+    End(Box<Walk>),
 }
 
 /// A part of the space, and how far its keys' modules were read.

@@ -61,6 +61,55 @@ pub(crate) fn check(module: &Module, places: &Places<'_>) -> Result<Vec<Fault>, 
     Ok(check.told)
 }
 
+/// A function's demands and dependencies as its callers see them, without their causes.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Shape(Vec<u32>);
+
+/// Shapes of a valid module's functions, by index.
+///
+/// # Errors
+/// A fault, which a valid module does not have.
+pub(crate) fn shapes(module: &Module, places: &Places<'_>) -> Result<Vec<Shape>, Fault> {
+    let mut check = Check {
+        module,
+        places,
+        summaries: Vec::with_capacity(module.functions.len()),
+        told: Vec::new(),
+    };
+    for (handle, function) in module.functions.iter() {
+        let summary = check.function(function, Which::Function(handle), None)?;
+        check.summaries.push(summary);
+    }
+    Ok(check.summaries.iter().map(Summary::shape).collect())
+}
+
+impl Summary {
+    fn shape(&self) -> Shape {
+        let mut shape = Vec::new();
+        let needs = |needs: &Needs, shape: &mut Vec<u32>| {
+            shape.extend(needs.map(|need| need.map_or(0, |need| need.severity as u32 + 1)));
+        };
+        let feeds = |feeds: &Feeds, shape: &mut Vec<u32>| {
+            shape.extend(feeds.origins.map(|origin| u32::from(origin.is_some())));
+            for arguments in [&feeds.values, &feeds.contents] {
+                shape.push(arguments.len() as u32);
+                shape.extend(arguments);
+            }
+        };
+        needs(&self.call, &mut shape);
+        for parameter in &self.parameters {
+            needs(&parameter.value, &mut shape);
+            needs(&parameter.contents, &mut shape);
+            shape.push(u32::from(parameter.after.is_some()));
+            if let Some(after) = &parameter.after {
+                feeds(after, &mut shape);
+            }
+        }
+        feeds(&self.result, &mut shape);
+        Shape(shape)
+    }
+}
+
 /// Sets of invocations among which something is uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Scope {

@@ -8,14 +8,24 @@ use naga::{
 use rustc_hash::FxHashMap;
 
 use crate::{
-    Cause, Fault, Library, diagnostics::Filters, error::nearest, names::Item, prepare::Prepared,
-    rules::check_text, stubs::JOINT, words,
+    Cause, Fault, Library,
+    diagnostics::Filters,
+    error::nearest,
+    names::{Item, ItemNumber},
+    prepare::Prepared,
+    rules::check_text,
+    stubs::JOINT,
+    words,
 };
 
 /// A module as naga parsed it.
 #[derive(Debug)]
 pub(crate) struct Unit {
     pub(crate) module: Module,
+    /// What each function is, by its index: the module, one's own or another, and the number of its name there.
+    pub(crate) called: Vec<ItemNumber>,
+    /// The module's own functions, by the numbers of their names.
+    pub(crate) by_number: FxHashMap<u32, Handle<Function>>,
     /// What each function is: one of the module's own, or another's.
     pub(crate) functions: FxHashMap<Handle<Function>, Item>,
     /// What each variable is.
@@ -46,9 +56,9 @@ pub(crate) struct Facts {
     /// The functions that it calls; whether the result is left unused.
     pub(crate) calls: BTreeSet<(Handle<Function>, bool)>,
     /// The private variables that it reads.
-    pub(crate) reads: BTreeSet<Handle<GlobalVariable>>,
+    pub(crate) reads: BTreeSet<ItemNumber>,
     /// The private variables that it writes.
-    pub(crate) writes: BTreeSet<Handle<GlobalVariable>>,
+    pub(crate) writes: BTreeSet<ItemNumber>,
     /// Whether it does anything else that is felt outside.
     pub(crate) acts: bool,
 }
@@ -118,6 +128,9 @@ pub(crate) fn parse(
         .filter(|(_, constant)| constant.name.is_some())
         .map(|(handle, constant)| (handle, item(&constant.name)))
         .collect();
+    let called: Vec<_> = (parsed.functions.iter())
+        .map(|(handle, _)| functions[&handle].number(library))
+        .collect();
     let own = |stub: &Option<String>| {
         stub.as_ref()
             .is_some_and(|name| !prepared.stubs.items.contains_key(name))
@@ -132,6 +145,11 @@ pub(crate) fn parse(
         })
         .collect();
     let mut unit = Unit {
+        by_number: (parsed.functions.iter().zip(&called))
+            .filter(|((_, f), _)| own(&f.name))
+            .map(|((handle, _), called)| (called.1, handle))
+            .collect(),
+        called,
         own_functions: parsed
             .functions
             .iter()
@@ -155,18 +173,12 @@ pub(crate) fn parse(
         overrides,
         type_names,
     };
-    unit.facts = unit
-        .module
-        .functions
-        .iter()
-        .map(|(_, f)| facts(&unit.module, f))
-        .collect();
-    unit.entry_facts = unit
-        .module
-        .entry_points
-        .iter()
-        .map(|e| facts(&unit.module, &e.function))
-        .collect();
+    let number = |global| unit.globals[&global].number(library);
+    let functions = unit.module.functions.iter();
+    let function_facts = functions.map(|(_, f)| facts(&unit.module, f, &number));
+    let entries = unit.module.entry_points.iter();
+    let entry_facts = entries.map(|e| facts(&unit.module, &e.function, &number));
+    (unit.facts, unit.entry_facts) = (function_facts.collect(), entry_facts.collect());
     for (_, function) in unit.module.functions.iter_mut() {
         shift_function(function, source.base, &prepared.own);
     }
@@ -267,8 +279,13 @@ pub(crate) fn private_roots(
     roots
 }
 
-fn facts(module: &Module, function: &Function) -> Facts {
-    let roots = private_roots(module, function);
+fn facts(
+    module: &Module,
+    function: &Function,
+    number: &dyn Fn(Handle<GlobalVariable>) -> ItemNumber,
+) -> Facts {
+    let roots = private_roots(module, function).into_iter();
+    let roots: Vec<_> = roots.map(|root| root.map(number)).collect();
     let mut facts = Facts::default();
     for (_, expression) in function.expressions.iter() {
         let pointer = match expression {
@@ -286,7 +303,7 @@ fn facts(module: &Module, function: &Function) -> Facts {
 
 fn block_facts(
     function: &Function,
-    roots: &[Option<Handle<GlobalVariable>>],
+    roots: &[Option<ItemNumber>],
     block: &Block,
     facts: &mut Facts,
 ) {

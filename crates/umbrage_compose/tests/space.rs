@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
-use umbrage_compose::{Composer, Key, Library, Package, Target};
+use umbrage_compose::{Checker, Composer, Error, Key, Library, Package, Target};
 
 mod generated;
 
@@ -111,4 +111,26 @@ fn keys_without_a_root_are_told() {
         matches!(told.as_slice(), [text] if text.contains("names no module to start from")),
         "{told:?}"
     );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Parts that were found valid are taken as valid, and the verdict is that of composing.
+    #[test]
+    fn checking_by_parts_is_composing(recipe in generated::recipe(true)) {
+        let library = recipe.library();
+        let composer = Composer::new(library.clone(), Target::webgpu());
+        let checker = Checker::new(&composer);
+        let oracle = Composer::new(library, Target::webgpu());
+        for variant in composer.variants() {
+            let checked = checker.check(&variant);
+            let composed = oracle.compose(&variant.key());
+            let texts = |error: &Error| error.to_string();
+            prop_assert_eq!(checked.fault.as_ref().map(texts), composed.as_ref().err().map(texts));
+            if let Ok(composed) = composed {
+                prop_assert_eq!(checked.warnings, composed.warnings);
+            }
+        }
+    }
 }
