@@ -5,7 +5,7 @@
 //! each side goes on alone. So a part that is read to its end is one permutation, and stands for all legal keys in it.
 //! The work follows the number of permutations, whatever the number of keys.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     Cause, Composer, Error, Fault, Key,
@@ -189,7 +189,8 @@ struct Walk {
     waiting: Vec<usize>,
     /// Questions to be asked before the next module is read.
     questions: Vec<Question>,
-    bound: BTreeSet<usize>,
+    /// Interfaces that were asked for, with what is bound to them.
+    bound: BTreeMap<usize, Option<usize>>,
     fault: Option<Fault>,
 }
 
@@ -204,7 +205,7 @@ impl Walk {
             seen: Bits::default(),
             waiting: Vec::new(),
             questions,
-            bound: BTreeSet::new(),
+            bound: BTreeMap::new(),
             fault: None,
         };
         walk.learn(table);
@@ -226,7 +227,11 @@ impl Walk {
                         .note("give some axis's value a `root` in axes.ron"),
                 );
             }
-            (Question::Root | Question::Binding(_), answer) => self.waiting.extend(answer),
+            (Question::Root, answer) => self.waiting.extend(answer),
+            (Question::Binding(interface), answer) => {
+                self.bound.insert(interface, answer);
+                self.waiting.extend(answer);
+            }
             (Question::Feature(_) | Question::Counting(_), _) => {}
         }
         self.learn(table);
@@ -238,10 +243,14 @@ impl Walk {
             if self.fault.is_some() {
                 return None;
             }
-            match self.questions.pop() {
-                Some(Question::Binding(interface)) if !self.bound.insert(interface) => continue,
-                Some(question) => return Some(question),
-                None => {}
+            if let Some(question) = self.questions.pop() {
+                match question {
+                    Question::Binding(interface) if self.bound.contains_key(&interface) => {
+                        self.waiting.extend(self.bound[&interface]);
+                        continue;
+                    }
+                    _ => return Some(question),
+                }
             }
             let &module = self.waiting.last()?;
             if self.seen.contains(module) {
@@ -255,7 +264,8 @@ impl Walk {
                     self.waiting.pop();
                     self.seen.insert(module);
                     self.waiting.extend(&prepared.modules);
-                    let interfaces = prepared.interfaces.iter();
+                    // Asked in ascending order, as `project::dependencies` does: the first fault is the same.
+                    let interfaces = prepared.interfaces.iter().rev();
                     self.questions
                         .extend(interfaces.map(|i| Question::Binding(*i)));
                 }

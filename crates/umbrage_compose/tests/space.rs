@@ -113,24 +113,220 @@ fn keys_without_a_root_are_told() {
     );
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
-
-    /// Parts that were found valid are taken as valid, and the verdict is that of composing.
-    #[test]
-    fn checking_by_parts_is_composing(recipe in generated::recipe(true)) {
-        let library = recipe.library();
-        let composer = Composer::new(library.clone(), Target::webgpu());
-        let checker = Checker::new(&composer);
-        let oracle = Composer::new(library, Target::webgpu());
-        for variant in composer.variants() {
-            let checked = checker.check(&variant);
-            let composed = oracle.compose(&variant.key());
-            let texts = |error: &Error| error.to_string();
-            prop_assert_eq!(checked.fault.as_ref().map(texts), composed.as_ref().err().map(texts));
+/// Compares verdicts and warnings of checking by parts with those of composing each permutation, twice: the second
+/// time all valid parts are known, and the faulty permutations alone are composed. Returns the faults.
+fn compare(library: &Library) -> Vec<String> {
+    let composer = Composer::new(library.clone(), Target::webgpu());
+    let checker = Checker::new(&composer);
+    let oracle = Composer::new(library.clone(), Target::webgpu());
+    let texts = |error: &Error| error.to_string();
+    let variants = composer.variants().map(|variant| {
+        let composed = oracle.compose(&variant.key());
+        (variant, composed)
+    });
+    let variants: Vec<_> = variants.collect();
+    for again in [false, true] {
+        for (variant, composed) in &variants {
+            let key = variant.key();
+            let checked = checker.check(variant);
+            let expected = composed.as_ref().err().map(texts);
+            assert_eq!(checked.fault.as_ref().map(texts), expected, "{key}");
             if let Ok(composed) = composed {
-                prop_assert_eq!(checked.warnings, composed.warnings);
+                assert_eq!(checked.warnings, composed.warnings, "{key}");
+                let is_sound = composed.warnings.is_empty();
+                assert!(!(again && is_sound && checked.composed), "{key}");
             }
         }
     }
+    let faults = variants
+        .iter()
+        .filter_map(|(_, composed)| composed.as_ref().err());
+    faults.map(texts).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn checking_by_parts_is_composing(recipe in generated::recipe(true)) {
+        compare(&recipe.library());
+    }
+}
+
+const FRAGMENT: &str = "@fragment fn main(@location(0) x: f32) -> @location(0) vec4f";
+const COMPUTE: &str = "@compute @workgroup_size(1) fn main()";
+
+/// Checks a package in which faults depend on company: `first` and `second` are bound to two interfaces in turn, under
+/// each of the `roots`. `fault` is how many permutations have one, and its words.
+fn in_company(
+    axes: &str,
+    roots: [&str; 2],
+    [first, second]: [&str; 2],
+    notes: &str,
+    fault: (usize, &str),
+) {
+    let bind = |interface: &str| {
+        let value = |module: &str| {
+            format!(
+                r#""{module}": (bind: {{ "package::interface::{interface}": "package::{module}" }})"#
+            )
+        };
+        format!(
+            r#""{interface}": (values: {{ {}, {} }})"#,
+            value("first"),
+            value("second")
+        )
+    };
+    let axes = format!(
+        r#"(axes: {{ {axes} {}, {}, "pass": (values: {{ "one": (root: "package::one"), "two": (root: "package::two") }}) }})"#,
+        bind("i"),
+        bind("j")
+    );
+    let ask = "fn ask(x: f32) -> f32 { return x; }";
+    let through = "fn i(x: f32) -> f32 { return package::interface::i::ask(x); }";
+    let files = [
+        ("axes.ron", axes.as_str()),
+        ("one.wesl", roots[0]),
+        ("two.wesl", roots[1]),
+        ("first.wesl", first),
+        ("second.wesl", second),
+        ("notes.wesl", notes),
+        ("through.wesl", through),
+        ("interface/i.wesl", ask),
+        ("interface/j.wesl", ask),
+    ];
+    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
+    let package = Package::from_sources("demo", "demo", files).expect("a package");
+    let library = Library::new([package]).unwrap_or_else(|error| panic!("{error}"));
+    let faults = compare(&library);
+    assert!(
+        faults.len() == fault.0 && faults.iter().all(|text| text.contains(fault.1)),
+        "{faults:#?}"
+    );
+}
+
+/// A function is valid for one stage and not for another.
+#[test]
+fn stages_are_seen_through_calls() {
+    let one = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let two = format!("{COMPUTE} {{ _ = package::through::i(1.0); }}");
+    let first = "fn ask(x: f32) -> f32 { @diagnostic(off, derivative_uniformity) { if dpdx(x) > 9.0 { } } return x; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    in_company(
+        "",
+        [&one, &two],
+        [first, second],
+        "",
+        (1, "forbidden at this stage"),
+    );
+}
+
+/// A call demands uniform control flow, or does not.
+#[test]
+fn demands_of_uniformity_are_seen_through_calls() {
+    let one = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let two = format!(
+        "{FRAGMENT} {{ if x > 1.0 {{ return vec4f(package::through::i(x)); }} return vec4f(); }}"
+    );
+    let first = "fn ask(x: f32) -> f32 { return dpdx(x); }";
+    let second = "fn ask(x: f32) -> f32 { @diagnostic(off, derivative_uniformity) { return dpdx(x); } return 0.0; }";
+    in_company(
+        "",
+        [&one, &two],
+        [first, second],
+        "",
+        (1, "uniform control flow"),
+    );
+}
+
+/// A function's store is left out of one shader and not of another.
+#[test]
+fn stores_that_are_left_out_are_told_apart() {
+    let one = format!(
+        "{COMPUTE} {{ package::notes::c = 1.0; _ = package::through::i(1.0) + package::notes::b; }}"
+    );
+    let two = format!(
+        "{COMPUTE} {{ package::notes::c = 1.0; _ = package::through::i(1.0) + package::notes::a + package::notes::b; }}"
+    );
+    let first =
+        "fn ask(x: f32) -> f32 { package::notes::b = x; package::notes::a = dpdx(x); return x; }";
+    let second = "fn ask(x: f32) -> f32 { package::notes::b = x; return x; }";
+    let notes = "var<private> a: f32; var<private> b: f32; var<private> c: f32;";
+    in_company(
+        "",
+        [&one, &two],
+        [first, second],
+        notes,
+        (1, "forbidden at this stage"),
+    );
+}
+
+/// Two overrides of one name are a fault of the shader that has both.
+#[test]
+fn overrides_are_seen_through_calls() {
+    let one =
+        format!("override k = 3.0; {FRAGMENT} {{ return vec4f(k + package::through::i(x)); }}");
+    let two = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "override k = 1.0; fn ask(x: f32) -> f32 { return x * k; }";
+    let second = "fn ask(x: f32) -> f32 { return x * 2.0; }";
+    let fault = (1, "both have an override `k`");
+    in_company("", [&one, &two], [first, second], "", fault);
+}
+
+/// Two implementations share a texture.
+#[test]
+fn shared_state_is_seen() {
+    let one = format!(
+        "{FRAGMENT} {{ return vec4f(package::through::i(x) + package::interface::j::ask(x)); }}"
+    );
+    let two = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let implementation = "fn ask(x: f32) -> f32 { return package::notes::load(x); }";
+    let notes = "@group(0) @binding(0) var t: texture_2d<f32>; fn load(x: f32) -> f32 { return x * textureLoad(t, vec2u(), 0).x; }";
+    let other = "fn ask(x: f32) -> f32 { return 1.0 + package::notes::load(x); }";
+    in_company(
+        "",
+        [&one, &two],
+        [implementation, other],
+        notes,
+        (2, "would share"),
+    );
+}
+
+/// Fetches of a module are counted, but not where it is called by a module that is excepted.
+#[test]
+fn counted_fetches_are_told_apart() {
+    let axes = r#""count": (default: "on", values: { "on": (count_fetches: (call: "package::notes::count", except: ["package::through"])) }),"#;
+    let one =
+        format!("{FRAGMENT} {{ return vec4f(package::through::i(x) + f32(package::notes::n)); }}");
+    let two = format!(
+        "{FRAGMENT} {{ return vec4f(package::interface::i::ask(x) + f32(package::notes::n)); }}"
+    );
+    let first = "fn ask(x: f32) -> f32 { package::notes::n += 1u; return x * textureLoad(package::notes::t, vec2u(), 0).x; }";
+    let second = "fn ask(x: f32) -> f32 { package::notes::count(); let y = textureLoad(package::notes::t, vec2u(), 0).x; return x * y; }";
+    let notes = "@group(0) @binding(0) var t: texture_2d<f32>; var<private> n: u32; fn count() { n += 1u; }";
+    in_company(
+        axes,
+        [&one, &two],
+        [first, second],
+        notes,
+        (1, "without counting it"),
+    );
+}
+
+/// An assertion fails under a feature, in a module from which a constant alone is taken.
+#[test]
+fn assertions_are_checked() {
+    let axes =
+        r#""narrow": (default: "off", values: { "off": (), "on": (features: ["NARROW"]) }),"#;
+    let root = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "fn ask(x: f32) -> f32 { return x * package::notes::WIDTH; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let notes = "const WIDTH = 9.0; @if(NARROW) const_assert WIDTH < 9.0;";
+    in_company(
+        axes,
+        [&root, &root],
+        [first, second],
+        notes,
+        (2, "const_assert"),
+    );
 }

@@ -11,6 +11,18 @@ const MODULES: usize = 4;
 const INTERFACES: usize = 2;
 const IMPLEMENTATIONS: usize = 3;
 const CAPABILITIES: usize = 2;
+/// Modules below this number ask interfaces, and implementations call those from there on.
+const ASKING: usize = 2;
+
+/// Entry points of the root modules.
+const ROOTS: [&str; 4] = [
+    "@fragment fn main(@location(0) x: f32) -> @location(0) vec4f { return vec4f(call(x)); }",
+    "@fragment fn main() -> @location(0) vec4f { return vec4f(call(2.0)); }",
+    "@compute @workgroup_size(1) fn main() { _ = call(2.0); }",
+    "@vertex fn main() -> @builtin(position) vec4f { return vec4f(call(2.0)); }",
+];
+
+const MORE: &str = "fn more(x: f32) -> f32 { return x + 1.0; }\n";
 
 /// A value of an axis.
 #[derive(Clone, Debug)]
@@ -38,17 +50,25 @@ enum What {
     Plants(Plant),
 }
 
-/// A statement that may make a permutation invalid.
+/// A statement that makes some permutations invalid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Plant {
-    /// A derivative, which a compute stage does not have, and which demands uniform control flow.
+    /// A derivative: fragment stages alone have it, and it demands uniform control flow.
     Derivative,
-    /// Control flow that depends on an input.
+    /// A derivative that is allowed in any control flow.
+    LooseDerivative,
+    /// Discards the fragment: fragment stages alone can.
+    Discard,
+    /// Control flow that depends on the value so far.
     Branch,
-    /// A texture of the module's own: a stage may have only so many.
+    /// Nine textures: a stage may have sixteen.
     Texture(usize),
-    /// A write to a buffer of the module's own, which no vertex stage may do.
+    /// Writes to a buffer, which no vertex stage may do.
     Write,
+    /// Notes a value in a private variable; where nothing recalls it, this is left out, derivative and all.
+    Note(usize),
+    /// Reads a private variable, whose value is not uniform.
+    Recall(usize),
     /// A type error.
     Type,
 }
@@ -58,7 +78,6 @@ pub(crate) enum Plant {
 pub(crate) struct Recipe {
     axes: Vec<(bool, Vec<Value>)>,
     roots: Vec<Vec<Statement>>,
-    stages: Vec<u8>,
     modules: Vec<Vec<Statement>>,
     implementations: Vec<Vec<Statement>>,
 }
@@ -74,37 +93,39 @@ fn value() -> impl Strategy<Value = Value> {
 
 fn body(plants: bool) -> impl Strategy<Value = Vec<Statement>> {
     let plant = prop_oneof![
-        Just(Plant::Derivative),
-        Just(Plant::Branch),
-        (0..3usize).prop_map(Plant::Texture),
-        Just(Plant::Write),
-        Just(Plant::Type),
+        4 => Just(Plant::Derivative),
+        4 => Just(Plant::LooseDerivative),
+        4 => Just(Plant::Discard),
+        4 => Just(Plant::Branch),
+        4 => (0..3usize).prop_map(Plant::Texture),
+        2 => Just(Plant::Write),
+        4 => (0..2usize).prop_map(Plant::Note),
+        2 => (0..2usize).prop_map(Plant::Recall),
+        1 => Just(Plant::Type),
     ];
     let what = prop_oneof![
-        3 => any::<u8>().prop_map(What::Adds),
+        2 => any::<u8>().prop_map(What::Adds),
         3 => (0..MODULES).prop_map(What::Calls),
-        2 => (0..INTERFACES).prop_map(What::Asks),
-        u32::from(plants) => plant.prop_map(What::Plants),
+        3 => (0..INTERFACES).prop_map(What::Asks),
+        6 * u32::from(plants) => plant.prop_map(What::Plants),
     ];
-    let when = prop::collection::vec((0..FEATURES, any::<bool>()), 0..3);
+    let when = prop::collection::vec((0..FEATURES, any::<bool>()), 0..2);
     let statement = (when, what).prop_map(|(when, what)| Statement { when, what });
-    prop::collection::vec(statement, 0..4)
+    prop::collection::vec(statement, 1..4)
 }
 
 /// Random packages; with `plants`, such as have faults.
 pub(crate) fn recipe(plants: bool) -> impl Strategy<Value = Recipe> {
     let axis = (any::<bool>(), prop::collection::vec(value(), 1..4));
     (
-        prop::collection::vec(axis, 1..5),
-        prop::collection::vec(body(plants), 1..3),
-        prop::collection::vec(0..3u8, 3),
+        prop::collection::vec(axis, 1..4),
+        prop::collection::vec(body(plants), ROOTS.len()),
         prop::collection::vec(body(plants), MODULES),
         prop::collection::vec(body(plants), IMPLEMENTATIONS),
     )
-        .prop_map(|(axes, roots, stages, modules, implementations)| Recipe {
+        .prop_map(|(axes, roots, modules, implementations)| Recipe {
             axes,
             roots,
-            stages,
             modules,
             implementations,
         })
@@ -141,17 +162,7 @@ impl Recipe {
     pub(crate) fn files(&self) -> Vec<(String, String)> {
         let mut files = vec![("axes.ron".to_owned(), self.axes())];
         for (index, statements) in self.roots.iter().enumerate() {
-            let text = match self.stages[index] {
-                0 => {
-                    "@fragment fn main(@location(0) x: f32) -> @location(0) vec4f { return vec4f(call(x)); }"
-                }
-                1 => {
-                    "@compute @workgroup_size(1) fn main(@builtin(local_invocation_index) x: u32) { _ = call(f32(x)); }"
-                }
-                _ => {
-                    "@vertex fn main(@location(0) x: f32) -> @builtin(position) vec4f { return vec4f(call(x)); }"
-                }
-            };
+            let text = ROOTS[index];
             let body = function("call", &format!("r{index}"), 0, statements);
             files.push((format!("r{index}.wesl"), format!("{text}\n{body}")));
         }
@@ -160,14 +171,16 @@ impl Recipe {
             files.push((format!("m{index}.wesl"), body));
         }
         for (index, statements) in self.implementations.iter().enumerate() {
-            // Implementations call modules, but ask no interface: nothing goes in a circle.
-            let asks = |statement: &&Statement| !matches!(statement.what, What::Asks(_));
-            let statements: Vec<_> = statements.iter().filter(asks).cloned().collect();
-            let body = function("ask", &format!("b{index}"), 0, &statements);
-            files.push((format!("b{index}.wesl"), body));
+            let body = function("ask", &format!("b{index}"), ASKING, statements);
+            // The second interface has two functions, the last implementation one.
+            let more = if index < 2 { MORE } else { "" };
+            files.push((format!("b{index}.wesl"), body + more));
         }
+        let notes = "var<private> note_0: f32;\nvar<private> note_1: f32;\n";
+        files.push(("notes.wesl".to_owned(), notes.to_owned()));
         for index in 0..INTERFACES {
-            let text = "fn ask(x: f32) -> f32 { return x; }".to_owned();
+            let more = if index > 0 { MORE } else { "" };
+            let text = format!("fn ask(x: f32) -> f32 {{ return x; }}\n{more}");
             files.push((format!("interface/i{index}.wesl"), text));
         }
         files
@@ -244,30 +257,42 @@ fn function(name: &str, module: &str, above: usize, statements: &[Statement]) ->
         };
         let line = match &statement.what {
             What::Adds(number) => format!("{{ y += {number}.0; }}"),
+            // Nothing goes in a circle.
+            What::Asks(_) if above > ASKING || name == "ask" => "{ y *= 3.0; }".to_owned(),
             What::Calls(other) if *other < above => "{ y *= 2.0; }".to_owned(),
             What::Calls(other) => format!("{{ y += package::m{other}::call(y); }}"),
             What::Asks(interface) => {
                 format!("{{ y += package::interface::i{interface}::ask(y); }}")
             }
             What::Plants(Plant::Derivative) => "{ y += dpdx(x); }".to_owned(),
-            What::Plants(Plant::Branch) => "if x > 1.0 { return y; }".to_owned(),
+            What::Plants(Plant::LooseDerivative) => {
+                "@diagnostic(off, derivative_uniformity) { y += dpdx(x); }".to_owned()
+            }
+            What::Plants(Plant::Discard) => "if y > 9.0 { discard; }".to_owned(),
+            What::Plants(Plant::Branch) => "if y > 1.0 { return y; }".to_owned(),
+            What::Plants(Plant::Note(number)) => {
+                format!("{{ package::notes::note_{number} = dpdx(x); }}")
+            }
+            What::Plants(Plant::Recall(number)) => {
+                format!("{{ y += package::notes::note_{number}; }}")
+            }
             What::Plants(Plant::Texture(number)) => {
                 let name = format!("{module}_texture_{number}_{index}");
-                // Eight of them are over the limit of a stage.
-                for n in 0..8 {
+                // A stage may have 16 of them.
+                for n in 0..9 {
                     let _ = writeln!(
                         text,
-                        "{when}@group(0) @binding(auto) var {name}_{n}: texture_2d<f32>;"
+                        "{when}@group(0) @binding(0) var {name}_{n}: texture_2d<f32>;"
                     );
                 }
-                let loads = (0..8).map(|n| format!("textureLoad({name}_{n}, vec2u(), 0).x"));
+                let loads = (0..9).map(|n| format!("textureLoad({name}_{n}, vec2u(), 0).x"));
                 format!("{{ y += {}; }}", loads.collect::<Vec<_>>().join(" + "))
             }
             What::Plants(Plant::Write) => {
                 let name = format!("{module}_buffer_{index}");
                 let _ = writeln!(
                     text,
-                    "{when}@group(0) @binding(auto) var<storage, read_write> {name}: array<f32>;"
+                    "{when}@group(0) @binding(0) var<storage, read_write> {name}: array<f32>;"
                 );
                 format!("{{ {name}[0] = y; }}")
             }
