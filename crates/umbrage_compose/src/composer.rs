@@ -16,8 +16,8 @@ use crate::{
     library::Request,
     link::{Origins, Roots, Units, link},
     prepare::{Prepared, prepare},
-    project::{Dependencies, Modules, Projections, dependencies, project},
-    space::{Known, Read, Variants},
+    project::{Dependencies, Modules, dependencies, project},
+    space::{Known, Read, Selection, Variants},
     store::Look,
     unit::{Refusal, Unit, parse},
 };
@@ -115,17 +115,6 @@ pub struct Composed {
     pub warnings: Vec<String>,
 }
 
-/// Projection of a key, and the axes that matter to it.
-#[derive(Clone, Debug)]
-pub struct Projected {
-    /// The key with every choice that makes no difference reset to its default; or the faults in the modules that
-    /// it leads to, as far as reading them was needed.
-    pub projection: Result<Key, Error>,
-    /// The axes whose choice may have made a difference, sorted. Keys that have the same values on these axes have
-    /// the same projection.
-    pub matter: Arc<[Arc<str>]>,
-}
-
 /// Relation of a key's choice to a module, from the loosest to the closest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Nearness {
@@ -194,20 +183,6 @@ impl Composer {
     pub fn project(&self, key: &Key) -> Result<Key, Error> {
         let (request, found) = self.read(key).map_err(|fault| fault.key(key))?;
         Ok(project(&self.library, &request, &found).unwrap_or_else(|| key.clone()))
-    }
-
-    /// Projections of `keys`, in their order. Where many keys share few permutations, this is much quicker than
-    /// projecting one key after another.
-    pub fn project_all(&self, keys: &[Key]) -> Vec<Projected> {
-        let mut projections = Projections::new(&self.library);
-        let projected = keys.iter().map(|key| {
-            let (projection, matter) = projections.of(key, |key| self.found(key));
-            Projected {
-                projection: projection.map_err(|fault| fault.key(key).into()),
-                matter,
-            }
-        });
-        projected.collect()
     }
 
     /// Relation of `key`'s choice on `axis` to the module that `fault` lies in.
@@ -366,18 +341,6 @@ impl Composer {
         outcome.map(|()| (request, found))
     }
 
-    /// Dependencies found by reading `key`'s modules (none where the key itself is invalid), and the fault that
-    /// stops the reading.
-    pub(crate) fn found(&self, key: &Key) -> (Option<Dependencies>, Result<(), Fault>) {
-        match self.library.request(key) {
-            Ok(request) => {
-                let (found, outcome) = self.dependencies(&request);
-                (Some(found), outcome)
-            }
-            Err(fault) => (None, Err(fault)),
-        }
-    }
-
     fn dependencies(&self, request: &Request) -> (Dependencies, Result<(), Fault>) {
         let with = WithFeatures {
             composer: self,
@@ -455,7 +418,13 @@ impl Composer {
     /// Each distinct permutation of the whole space, once, always in the same order. Keys are not listed: the work
     /// follows the number of permutations, and memory the depth of the questions that tell them apart.
     pub fn variants(&self) -> Variants<'_> {
-        Variants::new(self, self.library.table().whole())
+        self.select(&Selection::all())
+    }
+
+    /// Each distinct permutation of the keys that `selection` has, once, in the order in which [`Self::variants`] has
+    /// them.
+    pub fn select(&self, selection: &Selection) -> Variants<'_> {
+        Variants::new(self, selection)
     }
 
     /// `module` under features of which some are undecided.

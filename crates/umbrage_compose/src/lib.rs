@@ -116,7 +116,6 @@ mod package;
 mod parts;
 mod permutation;
 mod prepare;
-mod product;
 mod project;
 mod reach;
 mod reflect;
@@ -138,7 +137,7 @@ mod words;
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
 pub use checker::{Checked, Checker};
-pub use composer::{Composed, Composer, Nearness, Projected, Source};
+pub use composer::{Composed, Composer, Nearness, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use key::Key;
 pub use library::Library;
@@ -151,7 +150,7 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
-pub use space::{Variant, Variants};
+pub use space::{Selection, Variant, Variants};
 pub use store::{Kind, Look, Store};
 pub use target::{Limit, Target};
 pub use when::{RonFile, When};

@@ -1,4 +1,4 @@
-//! Manifests: which keys exist.
+//! Manifests: which keys are meant, of all that are legal.
 
 use std::{
     collections::BTreeMap,
@@ -8,14 +8,11 @@ use std::{
 use serde::Deserialize;
 
 use crate::{
-    Axes, Cause, Error, Fault, Key, Library, Package,
-    file::SourceText,
-    names::package_name,
-    product::{Product, Rule},
-    ron_text,
+    Cause, Error, Fault, Library, Package, Selection, bits::Bits, file::SourceText,
+    names::package_name, parts::Part, ron_text,
 };
 
-/// Which keys exist, over which packages, for which target.
+/// Which legal keys are meant, of which packages, for which target.
 ///
 /// ```ron
 /// (
@@ -30,12 +27,13 @@ use crate::{
 /// )
 /// ```
 /// `packages` names folders relative to the manifest. Each of `keys` is a product of values, `All` of
-/// an axis or some; an axis that it leaves out stays at its default.
+/// an axis or some; an axis that it leaves out stays at its default. Combinations that are not legal are left out.
+/// `keys: All` means every legal key.
 #[derive(Debug)]
 pub struct Manifest {
     library: Library,
     packages: BTreeMap<String, PathBuf>,
-    keys: Vec<Key>,
+    selection: Selection,
     target: String,
 }
 
@@ -47,12 +45,22 @@ impl Manifest {
     /// nothing, and a manifest that yields no key.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let source = SourceText::read(path)?;
-        let file: ManifestFile = ron_text::parse(&source, Cause::Manifest)?;
+        let peek = ron::from_str::<Peek>(&source.text);
+        let (named, target, file) = match peek {
+            Ok(peek) if peek.keys.trim().get_ron() == "All" => {
+                let file: WholeFile = ron_text::parse(&source, Cause::Manifest)?;
+                (file.packages, file.target, None)
+            }
+            _ => {
+                let file: ManifestFile = ron_text::parse(&source, Cause::Manifest)?;
+                (file.packages.clone(), file.target.clone(), Some(file))
+            }
+        };
         let folder = path.parent().unwrap_or(Path::new(""));
-        for name in file.packages.keys() {
+        for name in named.keys() {
             package_name(name).map_err(|fault| in_manifest(fault, &source, &["packages", name]))?;
         }
-        let packages = file.packages.iter().map(|(name, path)| {
+        let packages = named.iter().map(|(name, path)| {
             Package::load(name, &folder.join(path)).map_err(|error| {
                 let at = ron_text::literal(&source, &["packages", name, path]);
                 let mut faults = error.into_faults();
@@ -66,9 +74,12 @@ impl Manifest {
             })
         });
         let library = Library::new(packages.collect::<Result<Vec<_>, _>>()?)?;
-        let keys = enumerate(library.axes(), &source, &file)?;
+        let selection = match &file {
+            Some(file) => select(&library, &source, file)?,
+            None => Selection::all(),
+        };
         // The folders were read just now; where one is gone, its own name will do.
-        let packages = file.packages.iter().map(|(name, path)| {
+        let packages = named.iter().map(|(name, path)| {
             let path = folder.join(path);
             (name.clone(), path.canonicalize().unwrap_or(path))
         });
@@ -76,8 +87,8 @@ impl Manifest {
         Ok(Self {
             packages,
             library,
-            keys,
-            target: file.target,
+            selection,
+            target,
         })
     }
 
@@ -91,9 +102,9 @@ impl Manifest {
         &self.library
     }
 
-    /// The keys, sorted, each once.
-    pub fn keys(&self) -> &[Key] {
-        &self.keys
+    /// The keys that it selects.
+    pub fn selection(&self) -> &Selection {
+        &self.selection
     }
 
     /// The name of the target that the keys are for.
@@ -102,61 +113,75 @@ impl Manifest {
     }
 }
 
-fn enumerate(axes: &Axes, source: &SourceText, file: &ManifestFile) -> Result<Vec<Key>, Error> {
+fn select(library: &Library, source: &SourceText, file: &ManifestFile) -> Result<Selection, Error> {
+    let (axes, table) = (library.axes(), library.table());
+    let mut rules = Vec::new();
     for rule in &file.exclude {
-        for (name, values) in &rule.when {
-            let axis = axes
-                .check_axis(name)
-                .map_err(|fault| in_manifest(fault, source, &["exclude", name]))?;
-            for value in values {
-                axes.check_value(axis, value)
-                    .map_err(|fault| in_manifest(fault, source, &["exclude", name, value]))?;
-            }
+        let values = |values: &Vec<String>| Choice::Some(values.clone());
+        let named = rule
+            .when
+            .iter()
+            .map(|(axis, list)| (axis.clone(), values(list)));
+        rules.push(product(library, source, "exclude", &named.collect())?);
+    }
+    let mut used = vec![false; rules.len()];
+    let mut taken: Vec<Part> = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
+    for ProductFile(named) in &file.keys {
+        axes.check_complete(|axis| named.contains_key(axis))
+            .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
+        let mut whole = product(library, source, "keys", named)?;
+        table.at_defaults(&mut whole, |axis| !named.contains_key(axis));
+        for (rule, used) in rules.iter().zip(&mut used) {
+            *used |= table.first(&whole.and(rule)).is_some();
         }
+        let mut pieces = vec![whole.clone()];
+        for other in rules.iter().chain(&taken) {
+            let rest = pieces.iter().flat_map(|piece| table.subtract(piece, other));
+            pieces = rest.collect();
+        }
+        parts.extend(pieces);
+        taken.push(whole);
     }
-    let own: Vec<_> = file
-        .exclude
-        .iter()
-        .map(|rule| Rule {
-            exclude: rule.when.clone(),
-            reason: rule.reason.clone(),
-        })
-        .collect();
-    let mut used = vec![false; own.len()];
-    let mut keys = Vec::new();
-    for product in &file.keys {
-        let product = Product::new(axes, source, &product.0)?;
-        let rules = product.rules(axes, &own);
-        let legality = product.legality(axes);
-        product.for_each(&mut |choice, key| {
-            // All rules that fit are noted as used, so that none is called needless by mistake.
-            let mut excluded = false;
-            for (rule, used) in rules.iter().zip(&mut used) {
-                let fits = rule.fits(choice);
-                *used |= fits;
-                excluded |= fits;
-            }
-            // A combination that lacks something that one of its values needs is left out, too.
-            if !excluded && legality.allows(choice) {
-                keys.push(Key::new(key.iter().cloned()));
-            }
-        });
-    }
-    // Each product is sorted by itself; sort all of them together.
-    keys.sort();
-    keys.dedup();
-    let rules = own;
-    if let Some((rule, _)) = rules.iter().zip(&used).find(|(_, used)| !**used) {
+    if let Some((rule, _)) = file.exclude.iter().zip(&used).find(|(_, used)| !**used) {
         let message = format!("a rule excludes nothing: {}", rule.reason);
         let fault = Fault::new(Cause::Manifest, message).note("remove it, or mend what it names");
         return Err(in_manifest(fault, source, &["exclude", &rule.reason]).into());
     }
-    if keys.is_empty() {
+    parts.retain(|part| table.first(part).is_some());
+    if parts.is_empty() {
         let fault = Fault::new(Cause::Manifest, "the manifest yields no key")
             .note("add a product to `keys`, or exclude less");
         return Err(in_manifest(fault, source, &["keys"]).into());
     }
-    Ok(keys)
+    Ok(Selection { parts: Some(parts) })
+}
+
+/// All keys with the values that `named`, under `list` in the manifest, gives some axes.
+fn product(
+    library: &Library,
+    source: &SourceText,
+    list: &str,
+    named: &BTreeMap<String, Choice>,
+) -> Result<Part, Fault> {
+    let (axes, table) = (library.axes(), library.table());
+    let mut part = table.whole();
+    for (name, choice) in named {
+        let axis = axes
+            .check_axis(name)
+            .map_err(|fault| in_manifest(fault, source, &[list, name]))?;
+        let Choice::Some(values) = choice else {
+            continue;
+        };
+        let mut numbers = Bits::default();
+        for value in values {
+            axes.check_value(axis, value)
+                .map_err(|fault| in_manifest(fault, source, &[list, name, value]))?;
+            numbers.extend(table.number(name, value));
+        }
+        table.narrow(&mut part, name, &numbers);
+    }
+    Ok(part)
 }
 
 pub(crate) fn in_manifest(mut fault: Fault, source: &SourceText, path: &[&str]) -> Fault {
@@ -193,8 +218,31 @@ struct ExcludeFile {
 #[serde(transparent)]
 struct ProductFile(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Choice>);
 
+/// A manifest's keys, to see whether they are `All`.
+#[derive(Deserialize)]
+struct Peek {
+    keys: Box<ron::value::RawValue>,
+}
+
+/// A manifest of all keys.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WholeFile {
+    #[serde(deserialize_with = "ron_text::unique")]
+    packages: BTreeMap<String, String>,
+    #[serde(default = "default_target")]
+    target: String,
+    #[serde(rename = "keys")]
+    _keys: AllKeys,
+}
+
+#[derive(Deserialize)]
+enum AllKeys {
+    All,
+}
+
 /// `All`, or a list.
-pub(crate) enum Choice {
+enum Choice {
     All,
     Some(Vec<String>),
 }

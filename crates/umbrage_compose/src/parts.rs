@@ -83,6 +83,16 @@ pub(crate) enum Question {
 /// A legal key's value of each axis, by number, in the order of the axes.
 pub(crate) type Chosen = Vec<usize>;
 
+impl Part {
+    /// The keys of both.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let mut both = self.clone();
+        both.open.intersect(&other.open);
+        both.required.union(&other.required);
+        both
+    }
+}
+
 impl Table {
     pub(crate) fn new(library: &Library) -> Self {
         let first_feature = library.axes().capabilities().count();
@@ -289,6 +299,78 @@ impl Table {
         found.then_some(chosen)
     }
 
+    /// Number of a value.
+    pub(crate) fn number(&self, axis: &str, value: &str) -> Option<usize> {
+        let axis = self.axes.iter().find(|known| *known.name == *axis)?;
+        let mut values = axis.values.clone();
+        values.find(|number| *self.values[*number].name == *value)
+    }
+
+    /// `part` with fewer values of one axis: those that `values` names.
+    pub(crate) fn narrow(&self, part: &mut Part, axis: &str, values: &Bits) {
+        let axes = self.axes.iter().filter(|known| *known.name == *axis);
+        for axis in axes {
+            let closed = axis.values.clone().filter(|value| !values.contains(*value));
+            part.open.remove_all(&closed.collect());
+        }
+    }
+
+    /// All values of the axes that `is_fixed` at their defaults.
+    pub(crate) fn at_defaults(&self, part: &mut Part, is_fixed: impl Fn(&str) -> bool) {
+        for axis in self.axes.iter().filter(|axis| is_fixed(&axis.name)) {
+            part.open.remove_all(&axis.values.clone().skip(1).collect());
+        }
+    }
+
+    /// The keys of `part` that are not of `other`, which requires no marks, in parts that share no key.
+    pub(crate) fn subtract(&self, part: &Part, other: &Part) -> Vec<Part> {
+        let mut rest = part.clone();
+        let mut pieces = Vec::new();
+        for axis in &self.axes {
+            let values: Bits = axis.values.clone().collect();
+            let mut outside = values.clone();
+            outside.remove_all(&other.open);
+            if rest.open.meets(&outside) {
+                let mut piece = rest.clone();
+                let mut inside = values;
+                inside.remove_all(&outside);
+                piece.open.remove_all(&inside);
+                if self.first(&piece).is_some() {
+                    pieces.push(piece);
+                }
+                rest.open.remove_all(&outside);
+            }
+        }
+        pieces
+    }
+
+    /// All legal keys of `part`, sorted.
+    pub(crate) fn list(&self, part: &Part) -> Vec<Key> {
+        let search = Search::new(self, part);
+        let mut keys = Vec::new();
+        let lacking = part.required.clone();
+        search.each(
+            (0, Bits::default(), lacking),
+            &mut Vec::new(),
+            &mut |chosen| {
+                keys.push(self.key(chosen));
+            },
+        );
+        keys.sort();
+        keys
+    }
+
+    /// Names of the axes whose values matter to the keys of `part`: another value may lead out of it.
+    pub(crate) fn mattering<'a>(&'a self, part: &'a Part) -> impl Iterator<Item = &'a Arc<str>> {
+        let matters = |axis: &&Choices| {
+            let mut values = axis.values.clone();
+            values.any(|value| {
+                !part.open.contains(value) || self.values[value].gives.meets(&part.required)
+            })
+        };
+        self.axes.iter().filter(matters).map(|axis| &axis.name)
+    }
+
     /// Number of legal keys in `part`, at most `u128::MAX`.
     pub(crate) fn count(&self, part: &Part) -> u128 {
         let mut search = Search::new(self, part);
@@ -455,6 +537,21 @@ impl<'a> Search<'a> {
         }
         self.dead.insert(state);
         false
+    }
+
+    /// Calls `visit` with each legal key.
+    fn each(&self, state: State, chosen: &mut Chosen, visit: &mut dyn FnMut(&Chosen)) {
+        let axis = state.0;
+        if axis == self.table.axes.len() {
+            return visit(chosen);
+        }
+        for value in self.table.open(self.part, axis) {
+            if let Some((given, lacking)) = self.with(axis, value, &state) {
+                chosen.push(value);
+                self.each((axis + 1, given, lacking), chosen, visit);
+                chosen.pop();
+            }
+        }
     }
 
     fn count(&mut self, axis: usize, given: Bits, lacking: Bits) -> u128 {

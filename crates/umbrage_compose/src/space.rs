@@ -5,7 +5,10 @@
 //! each side goes on alone. So a part that is read to its end is one permutation, and stands for all legal keys in it.
 //! The work follows the number of permutations, whatever the number of keys.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use crate::{
     Cause, Composer, Error, Fault, Key,
@@ -15,11 +18,27 @@ use crate::{
     prepare::Prepared,
 };
 
+/// A set of legal keys: all, or those that a [manifest](crate::Manifest) selects.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// Parts that share no key; none where all keys are meant.
+    pub(crate) parts: Option<Vec<Part>>,
+}
+
+impl Selection {
+    /// All legal keys.
+    pub fn all() -> Self {
+        Self::default()
+    }
+}
+
 /// A distinct permutation of the space.
 #[derive(Clone, Debug)]
 pub struct Variant<'a> {
     table: &'a Table,
     part: Part,
+    /// Its keys that are selected, in parts.
+    selected: Selection,
     chosen: Chosen,
     /// Modules that were read.
     modules: Bits,
@@ -48,14 +67,41 @@ impl Variant<'_> {
         &self.modules
     }
 
-    /// Number of the legal keys that make it, at most `u128::MAX`.
-    pub fn keys(&self) -> u128 {
-        self.table.count(&self.part)
+    /// Number of the selected keys that make it, at most `u128::MAX`.
+    pub fn count(&self) -> u128 {
+        let counts = self.parts().iter().map(|part| self.table.count(part));
+        counts.fold(0, u128::saturating_add)
     }
 
-    /// The axes by name, each with the values that occur in its keys. Not every combination of them need be legal.
-    pub fn values(&self) -> Vec<(Arc<str>, Vec<Arc<str>>)> {
-        self.table.values(&self.part)
+    /// The selected keys that make it, sorted. They may be very many: see [`Self::count`].
+    pub fn keys(&self) -> Vec<Key> {
+        let mut keys: Vec<_> = self
+            .parts()
+            .iter()
+            .flat_map(|part| self.table.list(part))
+            .collect();
+        keys.sort();
+        keys
+    }
+
+    /// The axes by name, each with the values that occur in its selected keys. Not every combination of them need be
+    /// legal.
+    pub fn values(&self) -> BTreeMap<Arc<str>, BTreeSet<Arc<str>>> {
+        let mut all: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+        for (axis, values) in self.parts().iter().flat_map(|part| self.table.values(part)) {
+            all.entry(axis).or_default().extend(values);
+        }
+        all
+    }
+
+    /// The axes whose values matter to it: another value of one may make another permutation.
+    pub fn mattering(&self) -> impl Iterator<Item = &Arc<str>> {
+        self.table.mattering(&self.part)
+    }
+
+    fn parts(&self) -> &[Part] {
+        let whole = std::slice::from_ref(&self.part);
+        self.selected.parts.as_deref().unwrap_or(whole)
     }
 }
 
@@ -92,10 +138,11 @@ pub struct Variants<'a> {
 }
 
 impl<'a> Variants<'a> {
-    pub(crate) fn new(composer: &'a Composer, part: Part) -> Self {
+    pub(crate) fn new(composer: &'a Composer, selection: &Selection) -> Self {
         let table = composer.library().table();
-        let chosen = table.first(&part);
-        let walks = chosen.map(|chosen| Walk::new(table, part, chosen));
+        let whole = table.whole();
+        let chosen = table.first(&whole);
+        let walks = chosen.map(|chosen| Walk::new(table, whole, selection.clone(), chosen));
         Self {
             composer,
             walks: walks.into_iter().collect(),
@@ -136,15 +183,29 @@ impl<'a> Variants<'a> {
             return Step::End(Box::new(walk));
         };
         let sides = table.split((&walk.part, &walk.chosen), question);
-        let sides = sides.into_iter().rev().map(|(answer, part, chosen)| {
-            let mut side = Walk {
-                part,
-                chosen,
-                ..walk.clone()
-            };
-            side.take(table, question, answer);
-            side
-        });
+        let sides = sides
+            .into_iter()
+            .rev()
+            .filter_map(|(answer, part, chosen)| {
+                let mut selected = walk.selected.clone();
+                if let Some(parts) = &mut selected.parts {
+                    for selected in parts.iter_mut() {
+                        *selected = selected.and(&part);
+                    }
+                    parts.retain(|selected| table.first(selected).is_some());
+                    if parts.is_empty() {
+                        return None;
+                    }
+                }
+                let mut side = Walk {
+                    part,
+                    selected,
+                    chosen,
+                    ..walk.clone()
+                };
+                side.take(table, question, answer);
+                Some(side)
+            });
         Step::Split(sides.collect())
     }
 }
@@ -160,6 +221,7 @@ impl<'a> Iterator for Variants<'a> {
                     return Some(Variant {
                         table: self.composer.library().table(),
                         part: walk.part,
+                        selected: walk.selected,
                         chosen: walk.chosen,
                         modules: walk.seen,
                         fault: walk.fault,
@@ -180,6 +242,7 @@ enum Step {
 #[derive(Clone, Debug)]
 struct Walk {
     part: Part,
+    selected: Selection,
     /// The part's first key.
     chosen: Chosen,
     known: Known,
@@ -195,11 +258,12 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(table: &Table, part: Part, chosen: Chosen) -> Self {
+    fn new(table: &Table, part: Part, selected: Selection, chosen: Chosen) -> Self {
         let mut questions = table.first_questions();
         questions.reverse();
         let mut walk = Self {
             part,
+            selected,
             chosen,
             known: Known::default(),
             seen: Bits::default(),

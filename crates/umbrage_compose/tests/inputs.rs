@@ -90,7 +90,11 @@ fn a_hyphen_counts_as_an_underscore() {
         ]);
         let manifest = Manifest::load(&files.path().join("all.ron")).expect("a manifest");
         let composer = Composer::new(manifest.library().clone(), Target::webgpu());
-        composer.compose(&manifest.keys()[0]).expect("composed");
+        let variant = composer
+            .select(manifest.selection())
+            .next()
+            .expect("a permutation");
+        composer.compose(&variant.key()).expect("composed");
     }
     let files = folder(&[
         ("wesl.toml", b"edition = \"2026_pre\"\nroot = \".\"\n[dependencies]\n\"3d\" = { path = \"../lib\" }\n"),

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
-use umbrage_compose::{Checker, Composer, Error, Key, Library, Package, Target};
+use umbrage_compose::{Checker, Composer, Error, Key, Library, Manifest, Package, Target};
 
 mod generated;
 
@@ -42,7 +42,7 @@ proptest! {
             let Some(same) = listed.get(&key) else {
                 return Err(TestCaseError::fail(format!("{key} is no permutation")));
             };
-            prop_assert_eq!(variant.keys(), same.len() as u128, "{}", &key);
+            prop_assert_eq!(variant.count(), same.len() as u128, "{}", &key);
             for (axis, values) in variant.values() {
                 let values: BTreeSet<_> = values.iter().map(|value| &**value).collect();
                 let used = same.iter().filter_map(|key| library.axes().value(key, &axis));
@@ -59,6 +59,109 @@ proptest! {
             prop_assert_eq!(order(composer.variants().split(count)), whole.clone());
         }
     }
+}
+
+/// Values that a manifest names for some axes, drawn by `pick`.
+fn named(library: &Library, picks: &[(usize, u8)]) -> BTreeMap<String, BTreeSet<String>> {
+    let axes: Vec<_> = library.axes().iter().collect();
+    let mut named: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+    for (axis, bits) in picks {
+        let axis = axes[axis % axes.len()];
+        let values = axis.values().enumerate();
+        let values = values.filter(|(index, _)| *index == 0 || bits >> index & 1 == 1);
+        let values = values.map(|(_, value)| value.to_owned());
+        named.entry(axis.name.clone()).or_default().extend(values);
+    }
+    named
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// A manifest selects the keys of its products that are legal and not excluded.
+    #[test]
+    fn manifests_select(
+        recipe in generated::recipe(false),
+        products in prop::collection::vec(prop::collection::vec((0..99usize, any::<u8>()), 0..5), 1..4),
+        excluded in prop::collection::vec((0..99usize, any::<u8>()), 1..3),
+    ) {
+        let library = recipe.library();
+        let products: Vec<_> = products.iter().map(|picks| {
+            let mut named = named(&library, picks);
+            for axis in library.axes().iter().filter(|axis| axis.default.is_none()) {
+                let all = axis.values().map(str::to_owned);
+                named.entry(axis.name.clone()).or_insert_with(|| all.collect());
+            }
+            named
+        }).collect();
+        let excluded = named(&library, &excluded);
+        let value = |key: &Key, axis: &str| library.axes().value(key, axis).map(str::to_owned);
+        let has = |key: &Key, named: &BTreeMap<String, BTreeSet<String>>| {
+            named.iter().all(|(axis, values)| value(key, axis).is_some_and(|v| values.contains(&v)))
+        };
+        let in_product = |key: &Key, product: &BTreeMap<String, BTreeSet<String>>| {
+            has(key, product) && key.choices().all(|(axis, _)| product.contains_key(axis))
+        };
+        let keys = recipe.keys(&library);
+        let of_products = keys.iter().filter(|key| products.iter().any(|p| in_product(key, p)));
+        let (out, expected): (Vec<_>, BTreeSet<_>) = {
+            let (out, rest): (Vec<_>, Vec<_>) = of_products.cloned().partition(|key| has(key, &excluded));
+            (out, rest.into_iter().collect())
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        for (path, text) in recipe.files() {
+            let path = folder.path().join("demo").join(path);
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            std::fs::write(path, text).expect("a file");
+        }
+        let text = format!(
+            "(packages: {{ \"demo\": \"demo\" }}, keys: {products:?}, exclude: [(when: {excluded:?}, reason: \"no\")])"
+        );
+        let text = text.replace("{\"", "{ \"");
+        let text = as_lists(&text);
+        let path = folder.path().join("some.ron");
+        std::fs::write(&path, &text).expect("a file");
+        let manifest = Manifest::load(&path);
+        if out.is_empty() || expected.is_empty() {
+            prop_assert!(manifest.is_err(), "{text}");
+            return Ok(());
+        }
+        let manifest = manifest.map_err(|error| TestCaseError::fail(format!("{error}\n{text}")))?;
+        let composer = Composer::new(manifest.library().clone(), Target::webgpu());
+        let mut found = BTreeSet::new();
+        let mut seen = BTreeSet::new();
+        for variant in composer.select(manifest.selection()) {
+            let keys = variant.keys();
+            prop_assert_eq!(keys.len() as u128, variant.count());
+            prop_assert!(!keys.is_empty() && seen.insert(variant.key()));
+            for key in keys {
+                prop_assert_eq!(composer.project(&key).expect("sound"), variant.key());
+                prop_assert!(found.insert(key), "twice");
+            }
+        }
+        prop_assert_eq!(found, expected);
+    }
+}
+
+/// Sets of values in RON's brackets: `Debug` prints sets in braces, as it does maps.
+fn as_lists(text: &str) -> String {
+    let mut depth = Vec::new();
+    let mut out = String::new();
+    let chars: Vec<_> = text.chars().collect();
+    for (index, c) in chars.iter().enumerate() {
+        match c {
+            '{' => {
+                let rest: String = chars[index + 1..].iter().collect();
+                let end = rest.find(['{', '}', '[']).unwrap_or(rest.len());
+                let is_set = !rest[..end].contains(':');
+                depth.push(is_set);
+                out.push(if is_set { '[' } else { '{' });
+            }
+            '}' => out.push(if depth.pop() == Some(true) { ']' } else { '}' }),
+            c => out.push(*c),
+        }
+    }
+    out
 }
 
 /// Two shaders under 2^40 keys. Were keys listed, this would never end.
@@ -80,7 +183,7 @@ fn keys_cost_nothing() {
     let composer = Composer::new(library, Target::webgpu());
     let found: Vec<_> = composer
         .variants()
-        .map(|v| (v.key().to_string(), v.keys()))
+        .map(|v| (v.key().to_string(), v.count()))
         .collect();
     assert_eq!(
         found,
