@@ -27,9 +27,9 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Tries shadow methods on the hard cases; status 1 where one misses a limit.
     Stress(StressArgs),
-    /// Validates every permutation of the manifests.
+    /// Validates every permutation of packages, or of manifests.
     Check(CheckArgs),
-    /// Says how many permutations a manifest has, and which axes make them.
+    /// Says how many permutations packages or a manifest have, and which axes make them.
     List(ListArgs),
     /// Writes every permutation of the manifests as WGSL and SPIR-V, with its reflection.
     Prebuild(PrebuildArgs),
@@ -232,9 +232,12 @@ pub(crate) enum Path {
 
 #[derive(Args)]
 pub(crate) struct CheckArgs {
-    /// The manifests.
-    #[arg(required = true, value_name = "MANIFEST")]
+    /// The manifests; without any, every permutation of the packages.
+    #[arg(value_name = "MANIFEST")]
     pub(crate) manifests: Vec<PathBuf>,
+    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
+    #[arg(long = "package", value_name = "DIR", num_args = 1.., conflicts_with = "manifests")]
+    pub(crate) packages: Vec<PathBuf>,
     /// What to validate for, in place of the manifests' own targets; vulkan is this machine's adapter.
     #[arg(long, value_parser = NAMES)]
     pub(crate) target: Option<String>,
@@ -245,8 +248,11 @@ pub(crate) struct CheckArgs {
 
 #[derive(Args)]
 pub(crate) struct ListArgs {
-    /// The manifest.
-    pub(crate) manifest: PathBuf,
+    /// The manifest; without one, every permutation of the packages.
+    pub(crate) manifest: Option<PathBuf>,
+    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
+    #[arg(long = "package", value_name = "DIR", num_args = 1.., conflicts_with = "manifest")]
+    pub(crate) packages: Vec<PathBuf>,
     /// Prints the result as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,

@@ -2,24 +2,25 @@
 
 use std::collections::BTreeSet;
 
-/// A checked subject: its value of each axis, and whether the fault was found with these values.
-pub(crate) type Checked<'a> = (Vec<Option<&'a str>>, bool);
+/// An axis and its values.
+pub(crate) type Axis = (String, Vec<String>);
+
+/// A checked permutation: for each value of each axis, in their order, whether some of its keys may have it; and whether
+/// it has the fault.
+pub(crate) type Checked = (Vec<bool>, bool);
 
 /// Axes with their values, both as numbers; the axes ascend.
 type Choice = Vec<(usize, usize)>;
 
-/// A set of subjects, 64 to a word.
+/// A set of permutations, 64 to a word.
 type Subjects = Vec<u64>;
 
-/// The smallest choice of `axes` that triggers a fault, among the checked subjects: the fewest axes and values such
-/// that every subject with these values has the fault. Among equally small choices that explain as many faults, the
-/// first axes win. Where no one choice covers all faulty subjects, several, joined by “or”; where everything is
-/// faulty, `always`.
-pub(crate) fn smallest_cause<'a>(
-    axes: &[&str],
-    checked: impl IntoIterator<Item = Checked<'a>>,
-) -> String {
-    // Subjects that agree on all axes count once.
+/// The smallest choice of `axes` that triggers a fault, among the checked permutations: the fewest axes and values such
+/// that every permutation that may have these values has the fault. Among equally small choices that explain as many
+/// faults, the first axes win. Where no one choice covers all faulty permutations, several, joined by “or”; where
+/// everything is faulty, `always`.
+pub(crate) fn smallest_cause(axes: &[Axis], checked: impl IntoIterator<Item = Checked>) -> String {
+    // Permutations that agree on all axes count once.
     let checked: BTreeSet<_> = checked.into_iter().collect();
     let checked: Vec<_> = checked.into_iter().collect();
     let mut uncovered = subjects(checked.iter().map(|(_, faulty)| *faulty));
@@ -67,35 +68,35 @@ pub(crate) fn smallest_cause<'a>(
     causes.join(" or ")
 }
 
-/// An axis, and its values with the subjects that have each.
-struct Axis {
+/// An axis, and its values with the permutations that may have each.
+struct Column {
     name: String,
     values: Vec<(String, Subjects)>,
 }
 
-/// Axes of `names` whose values differ between subjects: no other axis can be part of a smallest choice.
-fn distinguishing_axes(names: &[&str], checked: &[Checked<'_>]) -> Vec<Axis> {
-    let axes = names.iter().enumerate().filter_map(|(index, name)| {
-        let values: BTreeSet<_> = checked.iter().map(|(values, _)| values[index]).collect();
-        let has = |value| {
-            subjects(
-                checked
-                    .iter()
-                    .map(|(values, _)| values[index] == Some(value)),
-            )
-        };
-        (values.len() > 1).then(|| Axis {
-            name: (*name).to_owned(),
-            values: (values.into_iter().flatten())
-                .map(|value| (value.to_owned(), has(value)))
-                .collect(),
-        })
-    });
-    axes.collect()
+/// Axes whose values differ between permutations: no other axis can be part of a smallest choice.
+fn distinguishing_axes(axes: &[Axis], checked: &[Checked]) -> Vec<Column> {
+    let mut first = 0;
+    let mut columns = Vec::new();
+    for (name, values) in axes {
+        let range = first..first + values.len();
+        first = range.end;
+        let mut rows = checked.iter().map(|(has, _)| &has[range.clone()]);
+        let one = rows.next();
+        if rows.all(|row| Some(row) == one) {
+            continue;
+        }
+        let column = range.map(|index| subjects(checked.iter().map(|(has, _)| has[index])));
+        columns.push(Column {
+            name: name.clone(),
+            values: values.iter().cloned().zip(column).collect(),
+        });
+    }
+    columns
 }
 
 /// `choice` with one more axis, after its last.
-fn refined(choice: &Choice, axes: &[Axis]) -> Vec<Choice> {
+fn refined(choice: &Choice, axes: &[Column]) -> Vec<Choice> {
     let first = choice.last().map_or(0, |(axis, _)| axis + 1);
     let mut refined = Vec::new();
     for (axis_index, axis) in axes.iter().enumerate().skip(first) {
@@ -109,7 +110,7 @@ fn refined(choice: &Choice, axes: &[Axis]) -> Vec<Choice> {
 }
 
 /// The subjects, of `count`, that have all of `choice`.
-fn having(choice: &Choice, axes: &[Axis], count: usize) -> Subjects {
+fn having(choice: &Choice, axes: &[Column], count: usize) -> Subjects {
     let mut all = vec![u64::MAX; count.div_ceil(64)];
     for (axis, value) in choice {
         all.iter_mut()
@@ -140,7 +141,7 @@ fn count_both(a: &Subjects, b: &Subjects) -> u32 {
     a.iter().zip(b).map(|(a, b)| (a & b).count_ones()).sum()
 }
 
-fn described(choice: &Choice, axes: &[Axis]) -> String {
+fn described(choice: &Choice, axes: &[Column]) -> String {
     let part = |(axis, value): &(usize, usize)| {
         format!("{}={}", axes[*axis].name, axes[*axis].values[*value].0)
     };
@@ -159,11 +160,19 @@ mod tests {
 
     /// The cause among `subjects`, with the axes in the order of their names.
     fn cause_among(subjects: &[Values], faulty: impl Fn(&Values) -> bool) -> String {
-        let axes: BTreeSet<_> = subjects.iter().flat_map(BTreeMap::keys).copied().collect();
-        let axes: Vec<_> = axes.into_iter().collect();
+        let names: BTreeSet<_> = subjects.iter().flat_map(BTreeMap::keys).copied().collect();
+        let axes = names.into_iter().map(|axis| {
+            let values: BTreeSet<_> = subjects.iter().filter_map(|s| s.get(axis)).collect();
+            let values = values.into_iter().map(|value| (*value).to_owned());
+            (axis.to_owned(), values.collect())
+        });
+        let axes: Vec<Axis> = axes.collect();
         let checked = subjects.iter().map(|subject| {
-            let values = axes.iter().map(|axis| subject.get(axis).copied());
-            (values.collect(), faulty(subject))
+            let has = axes.iter().flat_map(|(axis, values)| {
+                let own = subject.get(axis.as_str());
+                values.iter().map(move |value| own == Some(&value.as_str()))
+            });
+            (has.collect(), faulty(subject))
         });
         smallest_cause(&axes, checked)
     }
@@ -242,20 +251,21 @@ mod tests {
     #[test]
     fn the_first_of_equal_axes_is_told() {
         // A pass with a draw of its own has no method.
-        let checked = [
-            (vec![Some("none"), Some("own")], true),
-            (vec![Some("basic"), Some("lit")], false),
-        ];
-        let told = |axes: &[&str], turned: bool| {
-            let turn = |(mut values, faulty): Checked<'static>| {
-                if turned {
-                    values.reverse();
-                }
-                (values, faulty)
-            };
-            smallest_cause(axes, checked.clone().map(turn))
+        let method = || {
+            (
+                "method".to_owned(),
+                vec!["basic".to_owned(), "none".to_owned()],
+            )
         };
-        assert_eq!(told(&["method", "pass"], false), "method=none");
-        assert_eq!(told(&["pass", "method"], true), "pass=own");
+        let pass = || ("pass".to_owned(), vec!["lit".to_owned(), "own".to_owned()]);
+        let checked = [
+            (vec![false, true, false, true], true),
+            (vec![true, false, true, false], false),
+        ];
+        assert_eq!(
+            smallest_cause(&[method(), pass()], checked.clone()),
+            "method=none"
+        );
+        assert_eq!(smallest_cause(&[pass(), method()], checked), "pass=own");
     }
 }

@@ -1,37 +1,37 @@
-//! `umbrage check`: every permutation of the manifests, validated.
+//! `umbrage check`: every permutation of packages, or of manifests, validated.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     process::ExitCode,
-    sync::Arc,
 };
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use umbrage::compose::{
-    Cause, Composer, Error, Fault, Key, Library, Location, Manifest, Nearness, Target,
+    Cause, Checker, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection, Variant,
+    Variants,
 };
 
 use crate::{
     args::CheckArgs,
-    cause::smallest_cause,
+    cause::{Axis, Checked, smallest_cause},
     output::{print_json, progress},
-    permutations::{Member, Permutations},
+    packages::library,
     targets::target,
 };
 
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Report {
-    /// How many keys the manifests have.
-    keys: usize,
+    /// How many legal keys are meant, at most 2^64 - 1.
+    keys: u64,
     /// How many distinct permutations they make; one that manifests of the same packages and target share
     /// counts once.
     permutations: usize,
-    /// How many keys failed.
-    failed: usize,
+    /// How many keys failed, at most 2^64 - 1.
+    failed: u64,
     faults: Vec<ReportedFault>,
     /// Warnings with their source lines: harmless, but worth telling.
     warnings: Vec<String>,
@@ -44,6 +44,9 @@ struct ReportedFault {
     line: Option<usize>,
     column: Option<usize>,
     message: String,
+    /// How many keys have it, at most 2^64 - 1.
+    failed: u64,
+    /// The keys; where they are more than [`TOLD`], the first, one for each permutation.
     keys: Vec<String>,
     /// The smallest choice of axes that triggers it.
     cause: String,
@@ -52,54 +55,53 @@ struct ReportedFault {
     rendered: String,
 }
 
+/// Most keys that are told of one fault.
+const TOLD: usize = 100;
+
 /// What makes two findings the same fault.
 type Identity = (Cause, Vec<Location>, String);
 
-/// What manifests of the same packages and target share: a permutation is validated, and counted, once.
-struct Shared {
-    packages: BTreeMap<String, PathBuf>,
+/// Keys to check.
+struct Subject {
     composer: Composer,
-    /// What each permutation came to.
-    outcomes: BTreeMap<Key, Option<Error>>,
-    /// Warnings of the permutations.
-    warnings: BTreeSet<String>,
+    selection: Selection,
+    /// The manifest, where there are several.
+    origin: Option<String>,
+    /// The folders of its packages, where it is a manifest's.
+    packages: BTreeMap<String, PathBuf>,
 }
 
-/// All keys that were checked, and the faults found.
+/// Findings about some permutations.
 #[derive(Default)]
 struct Findings {
-    /// Each key of each manifest.
-    subjects: Vec<Subject>,
-    shared: Vec<Shared>,
-    /// Each fault, with the subjects that it was found in, as ranges.
-    faults: BTreeMap<Identity, (Fault, Vec<std::ops::Range<usize>>)>,
+    /// Permutations of subjects that share none with another.
+    permutations: usize,
+    /// Permutations of others, with the first subject that may share them.
+    shared: BTreeSet<(usize, Key)>,
+    failed: u128,
+    warnings: BTreeSet<String>,
+    /// Each fault, with the permutations that have it.
+    faults: BTreeMap<Identity, Found>,
 }
 
-/// A key of a manifest.
-struct Subject {
-    member: Member,
-    /// Which of [`Findings::shared`] composes it.
-    shared: usize,
-    /// The library of its manifest.
-    library: Library,
-    /// The manifest, where there are several.
-    origin: Option<Arc<str>>,
+/// A fault, and where it was found.
+struct Found {
+    fault: Fault,
+    failed: u128,
+    /// Permutations with the fault.
+    permutations: Vec<Ordinal>,
+    /// Keys to tell.
+    keys: BTreeSet<Key>,
 }
+
+/// Place of a permutation in the walk: its subject, the part of the walk, and its place there.
+type Ordinal = (u32, u32, u32);
 
 /// Manifests are told apart as if they were an axis.
 const ORIGIN: &str = "the manifest";
 
-impl Subject {
-    /// Its value of `axis`, the default where it says nothing.
-    fn value(&self, axis: &str) -> Option<&str> {
-        match axis {
-            ORIGIN => self.origin.as_deref(),
-            _ => self.library.axes().value(&self.member.key, axis),
-        }
-    }
-}
-
 pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
+    let mut subjects = Vec::new();
     let mut findings = Findings::default();
     let several = args.manifests.len() > 1;
     for path in &args.manifests {
@@ -107,12 +109,29 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
             Ok(manifest) => {
                 let target = target(args.target.as_deref().unwrap_or(manifest.target()))
                     .with_context(|| format!("{} cannot be checked", path.display()))?;
-                findings.examine(&manifest, target, several.then_some(path));
+                subjects.push(Subject {
+                    composer: Composer::new(manifest.library().clone(), target),
+                    selection: manifest.selection().clone(),
+                    origin: several.then(|| path.display().to_string()),
+                    packages: manifest.packages().clone(),
+                });
             }
             Err(error) => findings.refuse(error, path)?,
         }
     }
-    let report = findings.report();
+    if args.manifests.is_empty() {
+        let target = target(args.target.as_deref().unwrap_or("webgpu"))?;
+        subjects.push(Subject {
+            composer: Composer::new(library(&args.packages)?, target),
+            selection: Selection::all(),
+            origin: None,
+            packages: BTreeMap::new(),
+        });
+    }
+    for index in 0..subjects.len() {
+        findings.examine(index, &subjects);
+    }
+    let report = report(&findings, &subjects);
     if args.json {
         print_json(&report)?;
     }
@@ -136,81 +155,84 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
     })
 }
 
-impl Shared {
-    /// Composes those of `permutations` that were not composed before.
-    fn validate<'a>(&mut self, permutations: impl Iterator<Item = &'a Key>) {
-        let new: Vec<_> = permutations
-            .filter(|key| !self.outcomes.contains_key(key))
-            .cloned()
-            .collect();
-        let bar = progress("checking", new.len());
-        let composer = &self.composer;
-        let outcomes: Vec<_> = new
-            .into_par_iter()
-            .map(|key| {
-                let outcome = composer.compose(&key).map(|composed| composed.warnings);
-                bar.inc(1);
-                (key, outcome)
-            })
-            .collect();
-        bar.finish_and_clear();
-        for (key, outcome) in outcomes {
-            let error = match outcome {
-                Ok(warnings) => {
-                    self.warnings.extend(warnings);
-                    None
+impl Findings {
+    /// Checks each permutation of a subject.
+    fn examine(&mut self, index: usize, subjects: &[Subject]) {
+        let subject = &subjects[index];
+        let is_kin = |other: &&Subject| {
+            other.packages == subject.packages
+                && other.composer.target() == subject.composer.target()
+        };
+        let mut kin = subjects
+            .iter()
+            .enumerate()
+            .filter(|(_, other)| is_kin(other));
+        let first = kin.next().map_or(index, |(first, _)| first);
+        let is_alone = first == index && kin.next().is_none();
+        let checker = Checker::new(&subject.composer);
+        let bar = progress("checking", 0);
+        let parts = subject.parts().into_par_iter().enumerate();
+        let parts = parts.map(|(number, part)| {
+            let mut findings = Self::default();
+            for (place, variant) in part.enumerate() {
+                match is_alone {
+                    true => findings.permutations += 1,
+                    false => drop(findings.shared.insert((first, variant.key()))),
                 }
-                Err(error) => Some(error),
-            };
-            self.outcomes.insert(key, error);
+                let checked = checker.check(&variant);
+                findings.warnings.extend(checked.warnings);
+                if let Some(error) = checked.fault {
+                    let ordinal = (index as u32, number as u32, place as u32);
+                    findings.fail(ordinal, &variant, error);
+                }
+                bar.inc(1);
+            }
+            findings
+        });
+        let parts: Vec<_> = parts.collect();
+        bar.finish_and_clear();
+        for part in parts {
+            self.merge(part);
         }
     }
-}
 
-impl Findings {
-    /// Validates each permutation of `manifest`, except where an earlier manifest of the same packages
-    /// and target had it. Where there are several manifests, `origin` tells their keys apart, which may be
-    /// equal without meaning the same.
-    fn examine(&mut self, manifest: &Manifest, target: Target, origin: Option<&PathBuf>) {
-        let known = self.shared.iter().position(|shared| {
-            shared.packages == *manifest.packages() && *shared.composer.target() == target
-        });
-        let index = known.unwrap_or_else(|| {
-            self.shared.push(Shared {
-                packages: manifest.packages().clone(),
-                composer: Composer::new(manifest.library().clone(), target),
-                outcomes: BTreeMap::new(),
-                warnings: BTreeSet::new(),
-            });
-            self.shared.len() - 1
-        });
-        let shared = &mut self.shared[index];
-        let permutations = Permutations::of(&shared.composer, manifest.keys());
-        shared.validate(permutations.keys.keys());
+    fn fail(&mut self, ordinal: Ordinal, variant: &Variant<'_>, error: Error) {
+        let count = variant.count();
+        let keys = match count <= TOLD as u128 {
+            true => variant.keys(),
+            false => vec![variant.key()],
+        };
+        self.failed = self.failed.saturating_add(count);
+        for fault in error.into_faults() {
+            let found = self.add(fault);
+            found.failed = found.failed.saturating_add(count);
+            found.permutations.push(ordinal);
+            let room = TOLD.saturating_sub(found.keys.len());
+            found.keys.extend(keys.iter().take(room).cloned());
+        }
+    }
 
-        let outcomes: Vec<_> = permutations
-            .keys
-            .into_iter()
-            .map(|(projected, keys)| (keys, shared.outcomes.get(&projected).cloned().flatten()))
-            .collect();
-        let faulty = permutations
-            .faulty
-            .into_iter()
-            .map(|(member, error)| (vec![member], Some(error)));
-        let origin: Option<Arc<str>> = origin.map(|path| path.display().to_string().into());
-        for (members, error) in outcomes.into_iter().chain(faulty) {
-            let first = self.subjects.len();
-            self.subjects
-                .extend(members.into_iter().map(|member| Subject {
-                    member,
-                    shared: index,
-                    library: manifest.library().clone(),
-                    origin: origin.clone(),
-                }));
-            let subjects = first..self.subjects.len();
-            for fault in error.into_iter().flat_map(Error::into_faults) {
-                self.add(fault, subjects.clone());
-            }
+    fn add(&mut self, fault: Fault) -> &mut Found {
+        let identity = (fault.cause, fault.locations.clone(), fault.message.clone());
+        self.faults.entry(identity).or_insert_with(|| Found {
+            fault,
+            failed: 0,
+            permutations: Vec::new(),
+            keys: BTreeSet::new(),
+        })
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.permutations += other.permutations;
+        self.shared.extend(other.shared);
+        self.failed = self.failed.saturating_add(other.failed);
+        self.warnings.extend(other.warnings);
+        for found in other.faults.into_values() {
+            let own = self.add(found.fault);
+            own.failed = own.failed.saturating_add(found.failed);
+            own.permutations.extend(found.permutations);
+            let room = TOLD.saturating_sub(own.keys.len());
+            own.keys.extend(found.keys.into_iter().take(room));
         }
     }
 
@@ -223,85 +245,114 @@ impl Findings {
             return Err(error).with_context(|| format!("{} cannot be checked", path.display()));
         }
         for fault in error.into_faults() {
-            self.add(fault, 0..0);
+            self.add(fault);
         }
         Ok(())
     }
+}
 
-    fn add(&mut self, fault: Fault, subjects: std::ops::Range<usize>) {
-        let identity = (fault.cause, fault.locations.clone(), fault.message.clone());
-        let (_, ranges) = (self.faults.entry(identity)).or_insert_with(|| (fault, Vec::new()));
-        ranges.push(subjects);
+impl Subject {
+    /// Its permutations, in parts.
+    fn parts(&self) -> Vec<Variants<'_>> {
+        self.composer.select(&self.selection).split(PARTS)
     }
+}
 
-    fn report(self) -> Report {
-        let ranges = self.faults.values().flat_map(|(_, ranges)| ranges.clone());
-        let failed: BTreeSet<_> = ranges.flatten().collect();
-        let reported = |(fault, ranges): &(Fault, Vec<_>)| {
-            let mut fault = fault.clone();
-            let subjects: BTreeSet<usize> = ranges.iter().cloned().flatten().collect();
-            let cause = self.cause(&fault, &subjects);
-            let keys: BTreeSet<_> = (subjects.iter())
-                .map(|index| &self.subjects[*index].member.key)
-                .collect();
-            fault.keys = keys.into_iter().cloned().collect();
-            let location = fault.location();
-            ReportedFault {
-                file: location.map(|at| at.file.clone()),
-                line: location.map(|at| at.line),
-                column: location.map(|at| at.column),
-                message: fault.message.clone(),
-                keys: fault.keys.iter().map(Key::to_string).collect(),
-                cause,
-                rendered: fault.to_string(),
-            }
-        };
-        let warnings: BTreeSet<_> = self
-            .shared
-            .iter()
-            .flat_map(|shared| shared.warnings.clone())
-            .collect();
-        Report {
-            warnings: warnings.into_iter().collect(),
-            keys: self.subjects.len(),
-            permutations: self.shared.iter().map(|shared| shared.outcomes.len()).sum(),
-            failed: failed.len(),
-            faults: self.faults.values().map(reported).collect(),
+/// Permutations of all subjects, each with its place.
+fn all(subjects: &[Subject]) -> impl Iterator<Item = (Ordinal, Variant<'_>)> {
+    (0..).zip(subjects).flat_map(|(index, subject)| {
+        (0..).zip(subject.parts()).flat_map(move |(number, part)| {
+            (0..)
+                .zip(part)
+                .map(move |(place, variant)| ((index, number, place), variant))
+        })
+    })
+}
+
+/// Parts that a space is checked in: enough for many threads, though the parts differ in size.
+const PARTS: usize = 512;
+
+fn report(findings: &Findings, subjects: &[Subject]) -> Report {
+    let at_most = |count: u128| u64::try_from(count).unwrap_or(u64::MAX);
+    let keys = subjects.iter().map(|subject| {
+        let library = subject.composer.library();
+        subject.selection.count(library)
+    });
+    let reported = |found: &Found| {
+        let mut fault = found.fault.clone();
+        fault.keys = found.keys.iter().cloned().collect();
+        let location = fault.location();
+        ReportedFault {
+            file: location.map(|at| at.file.clone()),
+            line: location.map(|at| at.line),
+            column: location.map(|at| at.column),
+            message: fault.message.clone(),
+            failed: at_most(found.failed),
+            keys: fault.keys.iter().map(Key::to_string).collect(),
+            cause: cause(found, subjects),
+            rendered: fault.to_string(),
+        }
+    };
+    Report {
+        warnings: findings.warnings.iter().cloned().collect(),
+        keys: at_most(keys.fold(0, u128::saturating_add)),
+        permutations: findings.permutations + findings.shared.len(),
+        failed: at_most(findings.failed),
+        faults: findings.faults.values().map(reported).collect(),
+    }
+}
+
+/// The smallest choice of axes that triggers a fault.
+fn cause(found: &Found, subjects: &[Subject]) -> String {
+    // A fault of a package that does not even load is there whatever is chosen.
+    if found.permutations.is_empty() {
+        return "always".to_owned();
+    }
+    // A choice that matters to no faulty permutation has nothing to do with it, even where it goes with one that has.
+    // Of the others those come first that chose the module that the fault lies in.
+    let mut nearness = BTreeMap::from([(ORIGIN.to_owned(), Nearness::None)]);
+    let is_faulty = |ordinal: &Ordinal| found.permutations.binary_search(ordinal).is_ok();
+    for (ordinal, variant) in all(subjects).filter(|(ordinal, _)| is_faulty(ordinal)) {
+        let (composer, key) = (&subjects[ordinal.0 as usize].composer, variant.key());
+        for axis in variant.mattering() {
+            let near = composer.nearness(&key, axis, &found.fault);
+            let nearest = nearness.entry(axis.to_string()).or_insert(Nearness::None);
+            *nearest = near.max(*nearest);
         }
     }
-
-    /// The smallest choice of axes that triggers `fault`, which was found in `faulty`.
-    fn cause(&self, fault: &Fault, faulty: &BTreeSet<usize>) -> String {
-        // A fault of a package that does not even load is there whatever is chosen.
-        if faulty.is_empty() {
-            return "always".to_owned();
+    let mut axes: Vec<_> = nearness.into_iter().collect();
+    axes.sort_by(|(a, near), (b, other)| (other, a).cmp(&(near, b)));
+    let values = |axis: &str| -> BTreeSet<String> {
+        let libraries = subjects.iter().map(|subject| subject.composer.library());
+        let known = libraries.filter_map(|library| library.axes().get(axis));
+        let values = known.flat_map(|axis| axis.values().map(str::to_owned));
+        match axis {
+            ORIGIN => subjects.iter().filter_map(|s| s.origin.clone()).collect(),
+            _ => values.collect(),
         }
-        // A choice that matters to no faulty key has nothing to do with it, even where it goes with one that has.
-        // Of the others those come first that chose the module that the fault lies in.
-        let mut nearness: BTreeMap<&str, Nearness> = BTreeMap::from([(ORIGIN, Nearness::None)]);
-        let mut seen = BTreeSet::new();
-        for subject in faulty.iter().map(|index| &self.subjects[*index]) {
-            let Member { key, matter } = &subject.member;
-            // One of each permutation.
-            let values: Vec<_> = matter.iter().map(|axis| subject.value(axis)).collect();
-            if !seen.insert((subject.shared, matter, values)) {
-                continue;
-            }
-            for axis in matter.iter() {
-                let near = self.shared[subject.shared]
-                    .composer
-                    .nearness(key, axis, fault);
-                let nearest = nearness.entry(axis).or_insert(Nearness::None);
-                *nearest = near.max(*nearest);
-            }
-        }
-        let mut axes: Vec<_> = nearness.into_iter().collect();
-        axes.sort_by_key(|(axis, near)| (std::cmp::Reverse(*near), *axis));
-        let axes: Vec<_> = axes.into_iter().map(|(axis, _)| axis).collect();
-        let checked = self.subjects.iter().enumerate().map(|(index, subject)| {
-            let values = axes.iter().map(|axis| subject.value(axis));
-            (values.collect(), faulty.contains(&index))
+    };
+    let axes: Vec<Axis> = (axes.into_iter())
+        .map(|(axis, _)| (values(&axis).into_iter().collect(), axis))
+        .map(|(values, axis)| (axis, values))
+        .collect();
+    // Values that a subject's library has, by number; a manifest is one or is not.
+    let numbers = subjects.iter().map(|subject| {
+        let (library, origin) = (subject.composer.library(), subject.origin.as_ref());
+        let values = axes.iter().flat_map(|(axis, values)| {
+            values.iter().map(move |value| match axis.as_str() {
+                ORIGIN => Err(origin == Some(value)),
+                axis => library.value(axis, value).ok_or(false),
+            })
         });
-        smallest_cause(&axes, checked)
-    }
+        values.collect()
+    });
+    let numbers: Vec<Vec<_>> = numbers.collect();
+    let checked = all(subjects).map(|(ordinal, variant)| -> Checked {
+        let has = numbers[ordinal.0 as usize].iter().map(|value| match value {
+            Ok(value) => variant.may_have(*value),
+            Err(is_origin) => *is_origin,
+        });
+        (has.collect(), is_faulty(&ordinal))
+    });
+    smallest_cause(&axes, checked)
 }

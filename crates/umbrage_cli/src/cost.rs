@@ -11,7 +11,6 @@ use umbrage_isa::{Budget, CompilerOptions, IsaError, PipelineState, StageCost, c
 use crate::{
     args::CostArgs,
     output::{print, print_json, progress},
-    permutations::Permutations,
     targets::target,
 };
 
@@ -155,18 +154,19 @@ fn family(asked: Option<&str>, budget: Option<(&Path, &Budget)>) -> Result<Strin
 /// Each permutation once, sorted by key.
 fn compose(manifest: &Manifest) -> Result<Vec<Subject>> {
     let composer = Composer::new(manifest.library().clone(), target(manifest.target())?);
-    let permutations = Permutations::of(&composer, manifest.keys()).all()?;
-    let bar = progress("composing", permutations.len());
-    let subjects = permutations
-        .into_par_iter()
-        .map(|(projected, keys)| {
-            let permutation = composer.compose(&projected)?.permutation;
-            bar.inc(1);
-            Ok(Subject { permutation, keys })
-        })
-        .collect();
+    let variants: Vec<_> = composer.select(manifest.selection()).collect();
+    let bar = progress("composing", variants.len());
+    let subjects = variants.into_par_iter().map(|variant| {
+        let permutation = composer.compose(&variant.key())?.permutation;
+        bar.inc(1);
+        let keys = variant.keys();
+        Ok(Subject { permutation, keys })
+    });
+    let subjects: Result<Vec<_>> = subjects.collect();
     bar.finish_and_clear();
-    subjects
+    let mut subjects = subjects?;
+    subjects.sort_by(|a, b| a.permutation.key.cmp(&b.permutation.key));
+    Ok(subjects)
 }
 
 fn compile(

@@ -16,7 +16,6 @@ use crate::{
     args::PrebuildArgs,
     folder::{Kind, store},
     output::progress,
-    permutations::Permutations,
     targets::target,
 };
 
@@ -157,14 +156,14 @@ fn tell_lost<'a>(permutations: impl Iterator<Item = &'a Built>) {
 fn build(path: &Path) -> Result<Vec<(Vec<Key>, Built)>> {
     let manifest = Manifest::load(path)?;
     let composer = Composer::new(manifest.library().clone(), target(manifest.target())?);
-    let permutations = Permutations::of(&composer, manifest.keys()).all()?;
-    let bar = progress("prebuilding", permutations.len());
-    let built = permutations
+    let variants: Vec<_> = composer.select(manifest.selection()).collect();
+    let bar = progress("prebuilding", variants.len());
+    let built = variants
         .into_par_iter()
-        .map(|(projected, keys)| {
-            let built = Built::new(&composer, &projected)?;
+        .map(|variant| {
+            let built = Built::new(&composer, &variant.key())?;
             bar.inc(1);
-            Ok((keys, built))
+            Ok((variant.keys(), built))
         })
         .collect();
     bar.finish_and_clear();

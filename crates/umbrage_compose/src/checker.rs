@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
             };
         }
         let request = variant.request();
-        let trace = || Trace::new(self, &request, variant.modules());
+        let trace = || Trace::new(self, &request, variant.module_numbers());
         if let Ok(mut trace) = trace() {
             let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
             if trace.is_known(&known) {
@@ -124,7 +124,7 @@ impl<'a> Checker<'a> {
                 };
             }
         }
-        match (self.composer).make(&request, variant.modules(), variant.key()) {
+        match (self.composer).make(&request, variant.module_numbers(), variant.key()) {
             Ok((permutation, origins)) => {
                 // A warning is the permutation's own, as a fault is.
                 if permutation.warnings.is_empty()

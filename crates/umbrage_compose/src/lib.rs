@@ -94,6 +94,7 @@ mod capabilities;
 mod checker;
 mod composer;
 mod copy;
+mod cover;
 mod diagnostics;
 mod error;
 mod excerpt;
@@ -150,7 +151,7 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
-pub use space::{Selection, Variant, Variants};
+pub use space::{Selection, ValueId, Variant, Variants};
 pub use store::{Kind, Look, Store};
 pub use target::{Limit, Target};
 pub use when::{RonFile, When};

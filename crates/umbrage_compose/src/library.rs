@@ -8,7 +8,7 @@ use std::{
 use rustc_hash::FxHashMap;
 
 use crate::{
-    Axes, Cause, Error, Fault, Key, Package,
+    Axes, Cause, Error, Fault, Key, Package, ValueId,
     axes::{CountFetches, Counting, EffectNumbers},
     bits::Bits,
     capabilities,
@@ -153,6 +153,16 @@ impl Library {
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Key, Error> {
         Ok(self.axes().key(choices)?)
+    }
+
+    /// Paths of all modules.
+    pub fn modules(&self) -> impl Iterator<Item = &str> {
+        self.sources().iter().map(|source| source.path.as_str())
+    }
+
+    /// The value `value` of `axis`, where there is one.
+    pub fn value(&self, axis: &str, value: &str) -> Option<ValueId> {
+        self.table().number(axis, value).map(ValueId)
     }
 
     /// Number of the legal keys, at most `u128::MAX`.

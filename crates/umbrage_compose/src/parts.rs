@@ -277,17 +277,22 @@ impl Table {
         None
     }
 
+    /// The keys of `part` that have `value`.
+    pub(crate) fn with(&self, part: &Part, value: usize) -> Part {
+        let mut with = part.clone();
+        for axis in self.axes.iter().filter(|axis| axis.values.contains(&value)) {
+            with.open.remove_all(&axis.values.clone().collect());
+        }
+        if part.open.contains(value) {
+            with.open.insert(value);
+        }
+        with
+    }
+
     /// Whether a legal key has both values, which are of different axes.
     fn go_together(&self, a: usize, b: usize) -> bool {
-        let mut part = self.whole();
-        for axis in &self.axes {
-            if axis.values.contains(&a) || axis.values.contains(&b) {
-                part.open.remove_all(&axis.values.clone().collect());
-            }
-        }
-        part.open.insert(a);
-        part.open.insert(b);
-        self.first(&part).is_some()
+        let both = self.with(&self.with(&self.whole(), a), b);
+        self.first(&both).is_some()
     }
 
     /// The first legal key of `part`: of each axis in turn the first open value that lets the others be chosen.
@@ -360,15 +365,29 @@ impl Table {
         keys
     }
 
-    /// Names of the axes whose values matter to the keys of `part`: another value may lead out of it.
-    pub(crate) fn mattering<'a>(&'a self, part: &'a Part) -> impl Iterator<Item = &'a Arc<str>> {
-        let matters = |axis: &&Choices| {
-            let mut values = axis.values.clone();
+    /// Axes whose values matter to the keys of `part`: another value may lead out of it.
+    fn mattering(&self, part: &Part) -> impl Iterator<Item = usize> {
+        let matters = |axis: &usize| {
+            let mut values = self.axes[*axis].values.clone();
             values.any(|value| {
                 !part.open.contains(value) || self.values[value].gives.meets(&part.required)
             })
         };
-        self.axes.iter().filter(matters).map(|axis| &axis.name)
+        (0..self.axes.len()).filter(matters)
+    }
+
+    /// Names of the axes that matter to `part`.
+    pub(crate) fn mattering_names(&self, part: &Part) -> impl Iterator<Item = &Arc<str>> {
+        self.mattering(part).map(|axis| &self.axes[axis].name)
+    }
+
+    /// Those of the values `chosen` that are of axes which matter to `part`, ascending.
+    pub(crate) fn mattering_choices(
+        &self,
+        part: &Part,
+        chosen: &Chosen,
+    ) -> impl Iterator<Item = usize> {
+        self.mattering(part).map(|axis| chosen[axis])
     }
 
     /// Number of legal keys in `part`, at most `u128::MAX`.
@@ -451,12 +470,7 @@ impl Table {
     /// Names of the values that occur in legal keys of `part`, by axis.
     pub(crate) fn values(&self, part: &Part) -> Vec<(Arc<str>, Vec<Arc<str>>)> {
         let axes = self.axes.iter().enumerate().map(|(axis, choices)| {
-            let occurs = |value: &usize| {
-                let mut one = part.clone();
-                one.open.remove_all(&choices.values.clone().collect());
-                one.open.insert(*value);
-                self.first(&one).is_some()
-            };
+            let occurs = |value: &usize| self.first(&self.with(part, *value)).is_some();
             let open = self.open(part, axis).filter(occurs);
             let names = open.map(|value| self.values[value].name.clone());
             (choices.name.clone(), names.collect())

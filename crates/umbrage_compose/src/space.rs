@@ -11,7 +11,7 @@ use std::{
 };
 
 use crate::{
-    Cause, Composer, Error, Fault, Key,
+    Cause, Composer, Error, Fault, Key, Library,
     bits::Bits,
     library::Request,
     parts::{Chosen, Part, Question, Table},
@@ -30,26 +30,48 @@ impl Selection {
     pub fn all() -> Self {
         Self::default()
     }
+
+    /// Whether some key has `value`.
+    pub fn has(&self, library: &Library, value: ValueId) -> bool {
+        let table = library.table();
+        let whole = [table.whole()];
+        let mut parts = self.parts.as_deref().unwrap_or(&whole).iter();
+        parts.any(|part| table.first(&table.with(part, value.0)).is_some())
+    }
+
+    /// Number of the keys, at most `u128::MAX`.
+    pub fn count(&self, library: &Library) -> u128 {
+        let table = library.table();
+        let whole = [table.whole()];
+        let parts = self.parts.as_deref().unwrap_or(&whole).iter();
+        parts
+            .map(|part| table.count(part))
+            .fold(0, u128::saturating_add)
+    }
 }
+
+/// A value of an axis of a library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ValueId(pub(crate) usize);
 
 /// A distinct permutation of the space.
 #[derive(Clone, Debug)]
 pub struct Variant<'a> {
-    table: &'a Table,
-    part: Part,
+    library: &'a Library,
+    pub(crate) part: Part,
     /// Its keys that are selected, in parts.
     selected: Selection,
-    chosen: Chosen,
+    pub(crate) chosen: Chosen,
     /// Modules that were read.
     modules: Bits,
     fault: Option<Fault>,
 }
 
-impl Variant<'_> {
+impl<'a> Variant<'a> {
     /// Its key: of all legal keys that make it, the one with defaults as far as possible. It is the
     /// [projection](Composer::project) of each of them.
     pub fn key(&self) -> Key {
-        self.table.key(&self.chosen)
+        self.table().key(&self.chosen)
     }
 
     /// The fault that keeps its modules from being read, where there is one.
@@ -60,16 +82,24 @@ impl Variant<'_> {
 
     /// What its keys ask of the linker.
     pub(crate) fn request(&self) -> Request {
-        self.table.request(&self.chosen)
+        self.table().request(&self.chosen)
     }
 
-    pub(crate) fn modules(&self) -> &Bits {
+    /// Paths of the modules that it is made of.
+    pub fn modules(&self) -> impl Iterator<Item = &'a str> + '_ {
+        let sources = self.library.sources();
+        self.modules
+            .iter()
+            .map(|module| sources[module].path.as_str())
+    }
+
+    pub(crate) fn module_numbers(&self) -> &Bits {
         &self.modules
     }
 
     /// Number of the selected keys that make it, at most `u128::MAX`.
     pub fn count(&self) -> u128 {
-        let counts = self.parts().iter().map(|part| self.table.count(part));
+        let counts = self.parts().iter().map(|part| self.table().count(part));
         counts.fold(0, u128::saturating_add)
     }
 
@@ -78,7 +108,7 @@ impl Variant<'_> {
         let mut keys: Vec<_> = self
             .parts()
             .iter()
-            .flat_map(|part| self.table.list(part))
+            .flat_map(|part| self.table().list(part))
             .collect();
         keys.sort();
         keys
@@ -88,15 +118,28 @@ impl Variant<'_> {
     /// legal.
     pub fn values(&self) -> BTreeMap<Arc<str>, BTreeSet<Arc<str>>> {
         let mut all: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
-        for (axis, values) in self.parts().iter().flat_map(|part| self.table.values(part)) {
+        for (axis, values) in self
+            .parts()
+            .iter()
+            .flat_map(|part| self.table().values(part))
+        {
             all.entry(axis).or_default().extend(values);
         }
         all
     }
 
+    /// Whether some of its selected keys may have `value`.
+    pub fn may_have(&self, value: ValueId) -> bool {
+        self.parts().iter().any(|part| part.open.contains(value.0))
+    }
+
     /// The axes whose values matter to it: another value of one may make another permutation.
     pub fn mattering(&self) -> impl Iterator<Item = &Arc<str>> {
-        self.table.mattering(&self.part)
+        self.table().mattering_names(&self.part)
+    }
+
+    pub(crate) fn table(&self) -> &'a Table {
+        self.library.table()
     }
 
     fn parts(&self) -> &[Part] {
@@ -219,7 +262,7 @@ impl<'a> Iterator for Variants<'a> {
                 Step::Split(sides) => self.walks.extend(sides),
                 Step::End(walk) => {
                     return Some(Variant {
-                        table: self.composer.library().table(),
+                        library: self.composer.library(),
                         part: walk.part,
                         selected: walk.selected,
                         chosen: walk.chosen,

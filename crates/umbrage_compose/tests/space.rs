@@ -7,7 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
-use umbrage_compose::{Checker, Composer, Error, Key, Library, Manifest, Package, Target};
+use umbrage_compose::{
+    Checker, Composer, Error, Key, Library, Manifest, Package, Selection, Target, Variant,
+};
 
 mod generated;
 
@@ -162,6 +164,32 @@ fn as_lists(text: &str) -> String {
         }
     }
     out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// A cover has each pair of choices that matter together somewhere.
+    #[test]
+    fn covers_have_all_pairs(recipe in generated::recipe(false)) {
+        let library = recipe.library();
+        let composer = Composer::new(library.clone(), Target::webgpu());
+        let pairs = |variant: &Variant<'_>| -> BTreeSet<(String, String)> {
+            let key = variant.key();
+            let choice = |axis: &str| format!("{axis}={}", library.axes().value(&key, axis).unwrap_or(""));
+            let choices: Vec<_> = variant.mattering().map(|axis| choice(axis)).collect();
+            let pairs = choices.iter().flat_map(|a| choices.iter().map(move |b| (a.clone(), b.clone())));
+            pairs.filter(|(a, b)| a < b).collect()
+        };
+        let variants: Vec<_> = composer.variants().collect();
+        let all: BTreeSet<_> = variants.iter().flat_map(pairs).collect();
+        let cover = composer.cover(&Selection::all()).expect("sound");
+        let covering = variants.iter().filter(|variant| cover.contains(&variant.key()));
+        let covered: BTreeSet<_> = covering.flat_map(pairs).collect();
+        prop_assert_eq!(covered, all);
+        prop_assert!(cover.len() <= variants.len());
+        prop_assert_eq!(Composer::new(library.clone(), Target::webgpu()).cover(&Selection::all()).expect("sound"), cover);
+    }
 }
 
 /// Two shaders under 2^40 keys. Were keys listed, this would never end.

@@ -13,20 +13,20 @@ fn axes_multiply() {
     let axes = &listing["axes"];
     assert_eq!(
         axes["pass"],
-        json!({ "values": ["main"], "multiplier": 1.0 })
+        json!({ "unused": [], "values": ["main"], "multiplier": 1.0 })
     );
     assert_eq!(
         axes["unread"],
-        json!({ "values": ["off", "on"], "multiplier": 1.0 })
+        json!({ "unused": [], "values": ["off", "on"], "multiplier": 1.0 })
     );
     // Without the light, `good` and `bad` are left; without the method, `sun` and `lamp`.
     assert_eq!(
         axes["light"],
-        json!({ "values": ["lamp", "sun"], "multiplier": 1.5 })
+        json!({ "unused": [], "values": ["lamp", "sun"], "multiplier": 1.5 })
     );
     assert_eq!(
         axes["method"],
-        json!({ "values": ["bad", "good"], "multiplier": 1.5 })
+        json!({ "unused": [], "values": ["bad", "good"], "multiplier": 1.5 })
     );
 }
 
