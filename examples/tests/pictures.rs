@@ -193,11 +193,8 @@ fn every_picture_is_a_scenes() {
 fn scenes_need_no_permutation_that_the_manifest_lacks() {
     let manifest = Manifest::load(&folder("../permutations/demo.ron")).expect("a manifest");
     let composer = Composer::new(manifest.library().clone(), Target::webgpu());
-    let checked: BTreeSet<_> = manifest
-        .keys()
-        .iter()
-        .map(|key| composer.project(key).expect("a projection"))
-        .collect();
+    let variants = composer.select(manifest.selection());
+    let checked: BTreeSet<_> = variants.map(|variant| variant.key()).collect();
     let mut renderer = renderer();
     for name in scenes() {
         for what in [What::Shaded, What::ShadowTerm, What::Splits] {

@@ -4,6 +4,7 @@
 mod air;
 mod colored;
 mod dawn;
+mod drawn;
 mod maps;
 mod oracle;
 mod random;
@@ -11,6 +12,7 @@ mod stage;
 
 pub use colored::{colored_package, registry};
 pub use dawn::Dawn;
+pub use drawn::{drawn, drawn_or_covering};
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
 pub use random::{Random, random_shader};

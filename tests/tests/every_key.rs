@@ -1,23 +1,18 @@
-//! Every key of every manifest is composed, validated and drawn, and its shadow term compared with an
-//! oracle that shares nothing with the GPU.
+//! Every permutation of the manifests of what is drawn is drawn, and its shadow term compared with an oracle that shares
+//! nothing with the GPU.
 #![allow(
     clippy::panic,
     reason = "a test's helpers may fail it, with the error's own words"
 )]
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{collections::BTreeMap, sync::Arc};
 
 use rayon::prelude::*;
 use umbrage::{
-    compose::{Composer, Key, Library, Manifest, Target},
+    compose::{Composer, Key, Library, Target},
     render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
 };
-use umbrage_tests::{Oracle, Pixel, Stage, colored_package, registry, stage};
+use umbrage_tests::{Oracle, Pixel, Stage, colored_package, drawn, registry, stage};
 
 const SIZE: u32 = 40;
 /// Steps along a ray through the air.
@@ -37,42 +32,6 @@ const SHADOW_AXES: [&str; 9] = [
     "taper",
     "transition",
 ];
-
-/// The one file beside the manifests that is none; what it limits is tested with the command.
-const BUDGET: &str = "budget.ron";
-
-fn manifests() -> Vec<PathBuf> {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../permutations");
-    let mut paths: Vec<_> = fs::read_dir(dir)
-        .expect("the manifests' folder")
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
-        .filter(|path| !path.ends_with(BUDGET))
-        .collect();
-    paths.sort();
-    assert!(!paths.is_empty(), "no manifest: nothing would be tested");
-    paths
-}
-
-/// The keys of all manifests, one for each distinct permutation, and for each depth that it may read: that is what other
-/// passes draw, and no part of the permutation.
-fn permutations(composer: &Composer) -> Vec<Key> {
-    let mut distinct = BTreeMap::new();
-    for path in manifests() {
-        let manifest = Manifest::load(&path).unwrap_or_else(|error| panic!("{error}"));
-        for key in manifest.keys() {
-            let projected = composer
-                .project(key)
-                .unwrap_or_else(|error| panic!("{error}"));
-            let depth = composer.library().axes().value(key, "depth");
-            let depth = depth.unwrap_or("").to_owned();
-            distinct
-                .entry((projected, depth))
-                .or_insert_with(|| key.clone());
-        }
-    }
-    distinct.into_values().collect()
-}
 
 /// With a method of the tests' own, which no manifest knows.
 fn library() -> Library {
@@ -417,8 +376,10 @@ fn exceeds(counts: &[f32], promised: u32) -> Option<String> {
 
 #[test]
 fn every_permutation_is_drawn_as_the_oracle_says() {
-    let composer = Composer::new(library(), Target::webgpu());
-    let keys = permutations(&composer);
+    // A selection is of the manifests' own library.
+    let ours = umbrage::shader_library().expect("the shader library is sound");
+    let composer = Composer::new(ours, Target::webgpu());
+    let keys = drawn(&composer).unwrap_or_else(|error| panic!("{error}"));
     // Keys that share an oracle's work are worth keeping together.
     let faults: Vec<_> = keys
         .par_chunks(keys.len().div_ceil(rayon::current_num_threads()))

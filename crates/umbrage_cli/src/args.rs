@@ -31,6 +31,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Says how many permutations packages or a manifest have, and which axes make them.
     List(ListArgs),
+    /// Says what a key's permutation is made of and why, or which permutations an edit of a module's file touches.
+    Explain(ExplainArgs),
     /// Writes every permutation of the manifests as WGSL and SPIR-V, with its reflection.
     Prebuild(PrebuildArgs),
     /// Says what a GPU's compiler makes of every permutation, without a GPU.
@@ -252,6 +254,19 @@ pub(crate) struct ListArgs {
     pub(crate) manifest: Option<PathBuf>,
     /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
     #[arg(long = "package", value_name = "DIR", num_args = 1.., conflicts_with = "manifest")]
+    pub(crate) packages: Vec<PathBuf>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct ExplainArgs {
+    /// A key, such as light=spot,pass=shadow_term, or a module's file (.wesl).
+    #[arg(value_name = "KEY|FILE")]
+    pub(crate) what: String,
+    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
+    #[arg(long = "package", value_name = "DIR", num_args = 1..)]
     pub(crate) packages: Vec<PathBuf>,
     /// Prints the result as JSON on standard output.
     #[arg(long)]

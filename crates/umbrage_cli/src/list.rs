@@ -1,9 +1,8 @@
 //! `umbrage list`: how many permutations packages or a manifest have, and which axes make them.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::{BTreeMap, BTreeSet, HashMap},
     fmt::Write,
-    hash::{DefaultHasher, Hash, Hasher},
     process::ExitCode,
 };
 
@@ -66,10 +65,8 @@ pub(crate) fn list(args: &ListArgs) -> Result<ExitCode> {
 #[derive(Default)]
 struct Counts {
     permutations: usize,
-    /// Permutations by axis, where its values matter, but for that value: a number for each.
-    without: BTreeMap<String, BTreeSet<u64>>,
-    /// How many permutations each axis matters to.
-    matters: BTreeMap<String, usize>,
+    /// Permutations that each axis matters to.
+    axes: BTreeMap<String, OfAxis>,
     /// Modules that are read.
     modules: BTreeSet<String>,
 }
@@ -85,9 +82,9 @@ impl Listing {
                 let number = library.value(&axis.name, value);
                 number.is_some_and(|number| selection.has(library, number))
             };
-            let matters = counts.matters.get(&axis.name).copied().unwrap_or(0);
-            let without = counts.without.get(&axis.name).map_or(0, BTreeSet::len);
-            let without = counts.permutations - matters + without;
+            let of_axis = counts.axes.get(&axis.name);
+            let permutations = counts.permutations as f64;
+            let without = permutations - of_axis.map_or(0.0, OfAxis::saved);
             let listed = ListedAxis {
                 values: axis.values().filter(occurs).map(str::to_owned).collect(),
                 unused: axis
@@ -95,7 +92,7 @@ impl Listing {
                     .filter(|value| !occurs(value))
                     .map(str::to_owned)
                     .collect(),
-                multiplier: counts.permutations as f64 / without.max(1) as f64,
+                multiplier: permutations / without.max(1.0),
             };
             (axis.name.clone(), listed)
         });
@@ -111,6 +108,49 @@ impl Listing {
     }
 }
 
+/// Permutations that an axis matters to, and classes of those that are the same but for it. Of very many classes a
+/// share is counted that is chosen by their numbers, as in M. Wegman's adaptive sampling (P. Flajolet, 1990).
+#[derive(Default)]
+struct OfAxis {
+    count: usize,
+    /// Classes by number, with how many permutations each has.
+    classes: HashMap<u64, u32>,
+    /// Classes are counted whose numbers end in as many zeros.
+    zeros: u32,
+}
+
+/// Most classes that are counted: so many tell a multiplier to within a hundredth.
+const CLASSES: usize = 1 << 14;
+
+impl OfAxis {
+    fn add(&mut self, class: u64, permutations: u32) {
+        if class.trailing_zeros() >= self.zeros {
+            *self.classes.entry(class).or_default() += permutations;
+        }
+        while self.classes.len() > CLASSES {
+            self.zeros += 1;
+            self.classes
+                .retain(|class, _| class.trailing_zeros() >= self.zeros);
+        }
+    }
+
+    fn and(&mut self, other: Self) {
+        self.count += other.count;
+        self.zeros = self.zeros.max(other.zeros);
+        self.classes
+            .retain(|class, _| class.trailing_zeros() >= self.zeros);
+        for (class, permutations) in other.classes {
+            self.add(class, permutations);
+        }
+    }
+
+    /// How many permutations fewer there were, had the axis one value.
+    fn saved(&self) -> f64 {
+        let counted: f64 = self.classes.values().map(|count| f64::from(*count)).sum();
+        self.count as f64 * (1.0 - self.classes.len() as f64 / counted.max(1.0))
+    }
+}
+
 impl Counts {
     fn of(part: Variants<'_>) -> Result<Self, Error> {
         let mut counts = Self::default();
@@ -119,14 +159,13 @@ impl Counts {
                 return Err(error);
             }
             counts.permutations += 1;
-            let key = variant.key();
-            for axis in variant.mattering() {
-                let mut hasher = DefaultHasher::new();
-                let others = key.choices().filter(|(name, _)| **name != **axis);
-                others.for_each(|choice| choice.hash(&mut hasher));
-                let without = counts.without.entry(axis.to_string()).or_default();
-                without.insert(hasher.finish());
-                *counts.matters.entry(axis.to_string()).or_default() += 1;
+            for (axis, others) in variant.siblings() {
+                let of_axis = match counts.axes.get_mut(&**axis) {
+                    Some(of_axis) => of_axis,
+                    None => counts.axes.entry(axis.to_string()).or_default(),
+                };
+                of_axis.count += 1;
+                of_axis.add(others, 1);
             }
             for module in variant.modules() {
                 if !counts.modules.contains(module) {
@@ -139,11 +178,8 @@ impl Counts {
 
     fn and(mut self, other: Self) -> Self {
         self.permutations += other.permutations;
-        for (axis, without) in other.without {
-            self.without.entry(axis).or_default().extend(without);
-        }
-        for (axis, matters) in other.matters {
-            *self.matters.entry(axis).or_default() += matters;
+        for (axis, other) in other.axes {
+            self.axes.entry(axis).or_default().and(other);
         }
         self.modules.extend(other.modules);
         self

@@ -10,6 +10,7 @@ mod cause;
 mod check;
 mod compare;
 mod cost;
+mod explain;
 mod folder;
 mod interrupt;
 mod link;
@@ -56,6 +57,7 @@ fn run() -> anyhow::Result<ExitCode> {
         Command::Stress(args) => stress::stress(&args),
         Command::Check(args) => check::check(&args),
         Command::List(args) => list::list(&args),
+        Command::Explain(args) => explain::explain(&args),
         Command::Prebuild(args) => prebuild::prebuild(&args),
         Command::Cost(args) => cost::cost(&args),
         Command::Link(args) => link::link(&args),

@@ -314,6 +314,14 @@ impl Composer {
         Ok((permutation, origins))
     }
 
+    /// The modules under `features`.
+    pub(crate) fn modules<'a>(&'a self, features: &'a Bits) -> impl Modules + 'a {
+        WithFeatures {
+            composer: self,
+            enabled: features,
+        }
+    }
+
     /// The unit of `module` under `features`.
     pub(crate) fn unit(&self, module: usize, features: &Bits) -> Result<Arc<Unit>, Fault> {
         let with = WithFeatures {
@@ -335,7 +343,7 @@ impl Composer {
     }
 
     /// Reads the modules that `key` leads to.
-    fn read(&self, key: &Key) -> Result<(Request, Dependencies), Fault> {
+    pub(crate) fn read(&self, key: &Key) -> Result<(Request, Dependencies), Fault> {
         let request = self.library.request(key)?;
         let (found, outcome) = self.dependencies(&request);
         outcome.map(|()| (request, found))

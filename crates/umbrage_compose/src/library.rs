@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
+    path::Path,
     sync::{Arc, OnceLock, PoisonError, RwLock},
 };
 
@@ -153,6 +154,39 @@ impl Library {
         choices: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<Key, Error> {
         Ok(self.axes().key(choices)?)
+    }
+
+    /// The key that `text` says, as a key is printed: `axis=value` for each axis that is not to have its default,
+    /// between commas.
+    ///
+    /// # Errors
+    /// Text of another shape, and what [`Self::key`] refuses.
+    pub fn parse_key(&self, text: &str) -> Result<Key, Error> {
+        let words = text
+            .split(',')
+            .map(str::trim)
+            .filter(|word| !word.is_empty());
+        let choices = words.map(|word| {
+            let sides = word.split_once('=');
+            sides
+                .map(|(axis, value)| (axis.trim(), value.trim()))
+                .ok_or_else(|| {
+                    let message = format!("`{word}` in the key `{text}` is no choice");
+                    Fault::new(Cause::Key, message)
+                        .note("a key is AXIS=VALUE,AXIS=VALUE, such as light=spot,pass=shadow_term")
+                })
+        });
+        self.key(choices.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// The module in `file`, where the library has it.
+    pub fn module_of_file(&self, file: &Path) -> Option<&str> {
+        let whole = |path: &Path| path.canonicalize().ok();
+        let wanted = whole(file)?;
+        let mut sources = self.sources().iter();
+        let source =
+            sources.find(|source| whole(Path::new(&source.file)).as_ref() == Some(&wanted));
+        source.map(|source| source.path.as_str())
     }
 
     /// Paths of all modules.

@@ -138,6 +138,25 @@ impl<'a> Variant<'a> {
         self.table().mattering_names(&self.part)
     }
 
+    /// For each axis that matters, a number that it shares with the permutations that have another value there and are
+    /// else the same.
+    pub fn siblings(&self) -> impl Iterator<Item = (&Arc<str>, u64)> {
+        let mix = |value: &usize| {
+            let mixed = (*value as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            (mixed ^ mixed >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+        };
+        let all = self.chosen.iter().map(mix).fold(0, u64::wrapping_add);
+        let choices = self.table().mattering_choices(&self.part, &self.chosen);
+        // Mixed once more, so that every bit depends on every choice.
+        let others = choices.map(move |value| {
+            let others = all.wrapping_sub(mix(&value));
+            (others ^ others >> 32)
+                .wrapping_mul(0x94D0_49BB_1331_11EB)
+                .rotate_left(32)
+        });
+        self.mattering().zip(others)
+    }
+
     pub(crate) fn table(&self) -> &'a Table {
         self.library.table()
     }

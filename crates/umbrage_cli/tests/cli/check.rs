@@ -53,6 +53,30 @@ fn a_fault_is_told_once_with_its_cause() {
     assert_eq!(fault["cause"], "light=lamp, method=bad");
 }
 
+/// A package is checked whole: what is found is what a manifest of all its keys finds.
+#[test]
+fn a_package_needs_no_manifest() {
+    let folder = faulty_package();
+    let by_manifest = umbrage(&["check", &path_in(&folder, "all.ron"), "--json"]);
+    let output = umbrage(&["check", "--package", &path_in(&folder, "pkg"), "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(json(&output), json(&by_manifest));
+    write(
+        &folder,
+        "whole.ron",
+        r#"(packages: { "pkg": "pkg" }, keys: All)"#,
+    );
+    let output = umbrage(&["check", &path_in(&folder, "whole.ron"), "--json"]);
+    assert_eq!(json(&output), json(&by_manifest));
+    let both = [
+        "check",
+        &path_in(&folder, "all.ron"),
+        "--package",
+        &path_in(&folder, "pkg"),
+    ];
+    assert!(refusal(&both).contains("cannot be used with"));
+}
+
 #[test]
 fn a_person_reads_the_source_line() {
     let folder = faulty_package();

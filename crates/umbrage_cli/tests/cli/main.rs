@@ -4,6 +4,7 @@ mod arguments;
 mod check;
 mod compare;
 mod cost;
+mod explain;
 mod link;
 mod list;
 mod prebuild;
