@@ -8,6 +8,8 @@
 
 #[path = "compose/peers.rs"]
 mod peers;
+#[path = "compose/space.rs"]
+mod space;
 
 use std::{collections::HashMap, error::Error, hint::black_box, time::Duration};
 
@@ -16,7 +18,10 @@ use serde::Serialize;
 use umbrage_bench::{Spread, time, write_report};
 use umbrage_compose::{Composer, Key, Library, Target};
 
-use crate::peers::{NagaOil, Sources, WeslCompiler, face};
+use crate::{
+    peers::{NagaOil, Sources, WeslCompiler, face},
+    space::Space,
+};
 
 /// Turns taken; each times everything once.
 const ROUNDS: usize = 101;
@@ -42,6 +47,10 @@ struct Report {
     cold_over_floor: f64,
     naga_oil_warm_over_ours: f64,
     wesl_over_ours: f64,
+    /// The whole space checked, over composing nothing but parsing and validating each permutation's text on all cores.
+    space_over_floor: f64,
+    keys_exponent: f64,
+    space: Space,
     wgsl_bytes: usize,
     rounds: usize,
     floor_us: Spread,
@@ -55,6 +64,8 @@ struct Report {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
+    // First, while the process has taken no memory for anything else.
+    let space = Space::measure()?;
     let library = || Library::new([umbrage_shader_lib::package()?]);
     let wanted = library()?.key(WANTED.iter().copied())?;
     let whole = Composer::new(library()?, Target::webgpu()).compose(&wanted)?;
@@ -112,6 +123,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         cold_over_floor: spread(&cold).median / spread(&floor).median,
         naga_oil_warm_over_ours: spread(&warm_naga_oil).median / spread(&new).median,
         wesl_over_ours: spread(&from_wesl).median / spread(&new).median,
+        space_over_floor: space.seconds[1] * 1e6 * space.cores as f64
+            / (space.permutations as f64 * spread(&floor).median),
+        keys_exponent: space.keys_exponent,
+        space,
         wgsl_bytes: text.len(),
         rounds: ROUNDS,
         floor_us: spread(&floor),
@@ -158,6 +173,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         report.naga_oil_warm_over_ours
     );
     println!("(e) wesl over new        {:.3}", report.wesl_over_ours);
+    let Space {
+        keys,
+        permutations,
+        composed,
+        cores,
+        seconds: [least, median, most],
+        peak_mib,
+        ..
+    } = &report.space;
+    println!(
+        "the space of {keys:.3e} keys, {permutations} permutations: checked in {median:.1} s ({least:.1} to {most:.1}) on \
+         {cores} cores, {composed} composed, {:.0} MiB",
+        peak_mib.unwrap_or(f64::NAN)
+    );
+    for (keys, time) in &report.space.keys_us {
+        println!("{keys:.1e} keys, 256 permutations  {time}");
+    }
+    println!(
+        "(f) space over floor     {:.4}  (goal 0.02)",
+        report.space_over_floor
+    );
+    println!(
+        "(g) keys' exponent       {:.4}  (goal 0)",
+        report.keys_exponent
+    );
     println!("written to {}", write_report("compose", &report)?.display());
     Ok(())
 }

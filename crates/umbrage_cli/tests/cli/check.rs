@@ -20,6 +20,23 @@ fn the_demo_is_faultless() {
 }
 
 #[test]
+fn the_whole_space_is_faultless() {
+    let output = umbrage(&["check", "--json"]);
+    let report = json(&output);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(
+        (&report["failed"], &report["faults"], &report["warnings"]),
+        (&json!(0), &json!([]), &json!([]))
+    );
+    // More than a million permutations of more than a billion keys.
+    assert!(
+        report["permutations"].as_u64() > Some(1_000_000),
+        "{report}"
+    );
+    assert!(report["keys"].as_u64() > Some(1_000_000_000), "{report}");
+}
+
+#[test]
 fn a_fault_is_told_once_with_its_cause() {
     let folder = faulty_package();
     let output = umbrage(&["check", &path_in(&folder, "all.ron"), "--json"]);
