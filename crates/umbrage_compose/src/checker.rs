@@ -22,6 +22,7 @@ use smallvec::{SmallVec, smallvec};
 use crate::{
     Cause, Composer, Error, Fault, Library, Permutation, Variant,
     bits::Bits,
+    composer::Entry,
     diagnostics::Places,
     fetches::callees,
     library::Request,
@@ -38,6 +39,7 @@ pub struct Checker<'a> {
     composer: &'a Composer,
     known: RwLock<Known>,
     roles: Vec<OnceLock<Vec<Role>>>,
+    interfaces: Bits,
     /// Modules with assertions, which are checked wherever anything is taken from them.
     asserting: Bits,
 }
@@ -99,6 +101,7 @@ impl<'a> Checker<'a> {
             composer,
             known: RwLock::default(),
             roles: sources.iter().map(|_| OnceLock::new()).collect(),
+            interfaces: composer.library().interfaces().iter().copied().collect(),
             asserting: asserting.map(|(module, _)| module).collect(),
         }
     }
@@ -113,7 +116,7 @@ impl<'a> Checker<'a> {
             };
         }
         let request = variant.request();
-        let trace = || Trace::new(self, &request, variant.module_numbers());
+        let trace = || Trace::new(self, &request, variant);
         if let Ok(mut trace) = trace() {
             let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
             if trace.is_known(&known) {
@@ -184,10 +187,11 @@ enum Which {
 struct Trace<'a> {
     checker: &'a Checker<'a>,
     request: &'a Request,
-    units: RefCell<Vec<Option<Arc<Unit>>>>,
-    targets: FxHashMap<FunctionId, FunctionId>,
+    /// Modules as they were read.
+    entries: Vec<Option<&'a Entry>>,
+    targets: RefCell<FxHashMap<FunctionId, FunctionId>>,
     /// Units of interfaces, and of what is bound to them.
-    pairs: FxHashSet<(usize, usize)>,
+    pairs: RefCell<FxHashSet<(usize, usize)>>,
     reach: Reach,
     /// Functions whose fetches are counted, where fetches are counted.
     counted: FxHashSet<FunctionId>,
@@ -201,63 +205,65 @@ impl Program for Trace<'_> {
         self.checker.composer.library()
     }
 
-    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
-        if let Some(unit) = &self.units.borrow()[module] {
-            return Ok(unit.clone());
-        }
-        let unit = self.checker.composer.unit(module, &self.request.features)?;
-        self.units.borrow_mut()[module] = Some(unit.clone());
-        Ok(unit)
+    fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
+        let entry = self.entries[module].ok_or_else(Self::doubt)?;
+        self.checker.composer.unit(module, entry)
     }
 
-    fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault> {
-        if let Some(target) = self.targets.get(&called) {
-            return Ok(*target);
-        }
+    fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
         let (home, name) = self.unit(called.0)?.called[called.1.index()];
         let mut home = home as usize;
-        let target = if home == called.0 {
-            called
-        } else {
-            if self.library().source(home).is_interface() {
-                let bound = self.request.bindings.get(&home);
-                let bound = *bound.ok_or_else(Self::doubt)?;
-                if bound != home {
-                    let units = [self.unit(home)?, self.unit(bound)?];
-                    let [interface, implementation] = units.map(|unit| Arc::as_ptr(&unit) as usize);
-                    self.pairs.insert((interface, implementation));
-                }
-                home = bound;
+        if home == called.0 {
+            return Ok(called);
+        }
+        if let Some(target) = self.targets.borrow().get(&called) {
+            return Ok(*target);
+        }
+        if self.checker.interfaces.contains(home) {
+            let bound = self.request.bindings.get(&home);
+            let bound = *bound.ok_or_else(Self::doubt)?;
+            if bound != home {
+                let units = [self.unit(home)?, self.unit(bound)?];
+                let [interface, implementation] = units.map(|unit| Arc::as_ptr(unit) as usize);
+                let mut pairs = self.pairs.borrow_mut();
+                pairs.insert((interface, implementation));
             }
-            let unit = self.unit(home)?;
-            let function = unit.by_number.get(&name);
-            (home, *function.ok_or_else(Self::doubt)?)
-        };
-        self.targets.insert(called, target);
+            home = bound;
+        }
+        let function = self.unit(home)?.by_number.get(&name);
+        let target = (home, *function.ok_or_else(Self::doubt)?);
+        self.targets.borrow_mut().insert(called, target);
         Ok(target)
     }
 }
 
 impl<'a> Trace<'a> {
-    /// Follows the functions of `request`, for which `modules` were read. Fails where composing would, or may.
-    fn new(checker: &'a Checker<'a>, request: &'a Request, modules: &Bits) -> Result<Self, Fault> {
+    /// Follows the functions of `variant`, for which `request` asks. Fails where composing would, or may.
+    fn new(
+        checker: &'a Checker<'a>,
+        request: &'a Request,
+        variant: &'a Variant<'_>,
+    ) -> Result<Self, Fault> {
         let mut trace = Self {
             checker,
             request,
-            units: RefCell::new(vec![None; checker.roles.len()]),
-            targets: FxHashMap::default(),
-            pairs: FxHashSet::default(),
+            entries: vec![None; checker.roles.len()],
+            targets: RefCell::default(),
+            pairs: RefCell::default(),
             reach: Reach::default(),
             counted: FxHashSet::default(),
             found: FxHashMap::default(),
             under_way: 0,
         };
-        let mut asserting = modules.clone();
+        for (module, entry) in variant.entries() {
+            trace.entries[module] = Some(entry);
+        }
+        let mut asserting = variant.module_numbers().clone();
         asserting.intersect(&checker.asserting);
         for module in asserting.iter() {
             trace.unit(module)?;
         }
-        trace.reach = reach(&mut trace, request.root, Roots::EntryPoints)?;
+        trace.reach = reach(&trace, request.root, Roots::EntryPoints)?;
         if !request.counting.is_empty() {
             trace.count()?;
         }
@@ -271,7 +277,7 @@ impl<'a> Trace<'a> {
 
     /// Finds the functions whose fetches are counted, as [`fetches::check`] does.
     fn count(&mut self) -> Result<(), Fault> {
-        let root = self.unit(self.request.root)?;
+        let root = self.unit(self.request.root)?.clone();
         let entries = root.module.entry_points.iter().zip(&root.entry_facts);
         let fragments = entries.filter(|(entry, _)| entry.stage == ShaderStage::Fragment);
         let calls = fragments.flat_map(|(_, facts)| &facts.calls);
@@ -286,7 +292,7 @@ impl<'a> Trace<'a> {
             {
                 continue;
             }
-            let unit = self.unit(target.0)?;
+            let unit = self.unit(target.0)?.clone();
             let calls = unit.facts[target.1.index()].calls.iter();
             waiting.extend(calls.map(|(callee, _)| (target.0, *callee)));
         }
@@ -298,7 +304,7 @@ impl<'a> Trace<'a> {
         let mut look = |_: Which, context: &Context| known.contexts.get(context).copied();
         let whole = self.whole(&mut look);
         whole.is_ok_and(|whole| known.wholes.contains(&whole))
-            && known.pairs.is_superset(&self.pairs)
+            && known.pairs.is_superset(&self.pairs.borrow())
     }
 
     /// Adds all parts of a permutation that was found valid.
@@ -373,7 +379,7 @@ impl<'a> Trace<'a> {
         };
         if let Ok(whole) = self.whole(&mut learn) {
             known.wholes.insert(whole);
-            known.pairs.extend(&self.pairs);
+            known.pairs.extend(self.pairs.borrow().iter());
         }
     }
 
@@ -381,7 +387,7 @@ impl<'a> Trace<'a> {
     /// the context and its summary.
     fn whole(&mut self, settle: Settle<'_>) -> Result<Context, Fault> {
         let root = self.request.root;
-        let unit = self.unit(root)?;
+        let unit = self.unit(root)?.clone();
         let mut whole: Context = smallvec![Arc::as_ptr(&unit) as u64, self.flags()];
         for index in 0..unit.entry_facts.len() {
             let which = Which::EntryPoint(index);
@@ -412,7 +418,7 @@ impl<'a> Trace<'a> {
             return Err(Self::doubt());
         }
         self.under_way += 1;
-        let unit = self.unit(id.0)?;
+        let unit = self.unit(id.0)?.clone();
         let facts = &unit.facts[id.1.index()];
         let found = self.part(Which::Function(id), id.0, facts, settle)?;
         self.under_way -= 1;
@@ -427,7 +433,7 @@ impl<'a> Trace<'a> {
         facts: &Facts,
         settle: Settle<'_>,
     ) -> Result<(u32, u32), Fault> {
-        let unit = Arc::as_ptr(&self.unit(module)?) as u64;
+        let unit = Arc::as_ptr(self.unit(module)?) as u64;
         let (place, counted) = match which {
             Which::Function(id) => (id.1.index() as u64, self.counted.contains(&id)),
             Which::EntryPoint(index) => (1 << 32 | index as u64, false),
@@ -457,8 +463,7 @@ impl<'a> Trace<'a> {
             if roles.is_empty() {
                 continue;
             }
-            let units = self.units.borrow();
-            let Some(unit) = &units[*module] else {
+            let Ok(unit) = self.unit(*module) else {
                 return true;
             };
             let (_, name) = unit.called[function.index()];
@@ -470,8 +475,8 @@ impl<'a> Trace<'a> {
             }
         }
         let mut callers: FxHashMap<(usize, FunctionId), Handle<Function>> = FxHashMap::default();
-        let calls = self
-            .targets
+        let targets = self.targets.borrow();
+        let calls = targets
             .iter()
             .filter(|(called, target)| called.0 != target.0);
         let mut names = calls.map(|((caller, name), target)| {

@@ -40,8 +40,8 @@ pub struct Composer {
 
 /// A module under features that agree on what it consults.
 #[derive(Debug)]
-struct Entry {
-    prepared: Result<Arc<Prepared>, Fault>,
+pub(crate) struct Entry {
+    pub(crate) prepared: Result<Arc<Prepared>, Fault>,
     /// Shared by entries of the same text and filters.
     unit: Arc<OnceLock<Result<Arc<Unit>, Refusal>>>,
 }
@@ -322,13 +322,12 @@ impl Composer {
         }
     }
 
-    /// The unit of `module` under `features`.
-    pub(crate) fn unit(&self, module: usize, features: &Bits) -> Result<Arc<Unit>, Fault> {
-        let with = WithFeatures {
-            composer: self,
-            enabled: features,
-        };
-        with.unit(module)
+    /// The unit of `module`, which was read.
+    pub(crate) fn unit<'a>(&self, module: usize, read: &'a Entry) -> Result<&'a Arc<Unit>, Fault> {
+        let prepared = read.prepared.as_ref().map_err(Fault::clone)?;
+        let parsed = || parse(&self.library, module, prepared).map(Arc::new);
+        let unit = read.unit.get_or_init(parsed).as_ref();
+        unit.map_err(|refusal| refusal.fault.clone())
     }
 
     /// Links all that the module numbered `root` declares.
@@ -453,7 +452,7 @@ impl Composer {
             }
         };
         match &entry.prepared {
-            Ok(prepared) => Read::Module(prepared.clone()),
+            Ok(_) => Read::Module(entry),
             Err(fault) => Read::Fault(fault.clone()),
         }
     }

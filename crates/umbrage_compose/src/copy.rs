@@ -92,7 +92,7 @@ impl Linker<'_> {
             return Ok(*done);
         }
         if let Some(item) = item.filter(|item| item.module != module) {
-            let owner = self.targets.unit(item.module)?;
+            let owner = self.targets.unit(item.module)?.clone();
             let own = owner
                 .overrides
                 .iter()
@@ -137,7 +137,7 @@ impl Linker<'_> {
             return Ok(*done);
         }
         if item.module != module {
-            let owner = self.targets.unit(item.module)?;
+            let owner = self.targets.unit(item.module)?.clone();
             if let Some(own) = owner.own_globals.get(&item.name) {
                 return self.global(item.module, &owner, *own);
             }

@@ -3,7 +3,10 @@
 //! Functions keep their expressions' numbers, so copying one is a clone in which only the handles
 //! that lead outside are put right.
 
-use std::{cell::RefCell, sync::Arc};
+use std::{
+    cell::{OnceCell, RefCell},
+    sync::Arc,
+};
 
 use naga::{
     Arena, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module,
@@ -54,15 +57,15 @@ pub(crate) fn link(
     units: &dyn Units,
     roots: Roots,
 ) -> Result<(Module, Origins), Fault> {
-    let mut targets = Targets {
+    let targets = Targets {
         library,
         request,
         units,
-        taken: RefCell::default(),
-        known: FxHashMap::default(),
-        checked: FxHashSet::default(),
+        taken: vec![OnceCell::new(); library.sources().len()],
+        known: RefCell::default(),
+        checked: RefCell::default(),
     };
-    let reach = reach(&mut targets, request.root, roots)?;
+    let reach = reach(&targets, request.root, roots)?;
     let linker = Linker {
         targets,
         reach,
@@ -85,9 +88,9 @@ pub(crate) struct Targets<'a> {
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
     /// The units that were asked for.
-    taken: RefCell<FxHashMap<usize, Arc<Unit>>>,
-    known: FxHashMap<FunctionId, FunctionId>,
-    checked: FxHashSet<usize>,
+    taken: Vec<OnceCell<Arc<Unit>>>,
+    known: RefCell<FxHashMap<FunctionId, FunctionId>>,
+    checked: RefCell<FxHashSet<usize>>,
 }
 
 impl Program for Targets<'_> {
@@ -95,17 +98,18 @@ impl Program for Targets<'_> {
         self.library
     }
 
-    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
-        if let Some(unit) = self.taken.borrow().get(&module) {
-            return Ok(unit.clone());
+    fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
+        match self.taken[module].get() {
+            Some(unit) => Ok(unit),
+            None => {
+                let unit = self.units.unit(module)?;
+                Ok(self.taken[module].get_or_init(|| unit))
+            }
         }
-        let unit = self.units.unit(module)?;
-        self.taken.borrow_mut().insert(module, unit.clone());
-        Ok(unit)
     }
 
-    fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault> {
-        if let Some(target) = self.known.get(&called) {
+    fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
+        if let Some(target) = self.known.borrow().get(&called) {
             return Ok(*target);
         }
         let unit = self.unit(called.0)?;
@@ -120,7 +124,7 @@ impl Program for Targets<'_> {
                 None => return Err(self.not_callable(called.0, module, item)),
             }
         };
-        self.known.insert(called, target);
+        self.known.borrow_mut().insert(called, target);
         Ok(target)
     }
 }
@@ -129,7 +133,7 @@ impl Targets<'_> {
     /// Calls from module to module that were followed, ordered by the calling module and the names that it calls by.
     fn calls(&self) -> Result<Vec<Call>, Fault> {
         let mut calls = Vec::new();
-        for (&(module, called), &target) in &self.known {
+        for (&(module, called), &target) in self.known.borrow().iter() {
             if target.0 == module {
                 continue;
             }
@@ -150,19 +154,19 @@ impl Targets<'_> {
     }
 
     /// The module that has `item`'s body: of an interface's function, the one that is bound.
-    fn implementation(&mut self, caller: usize, item: &Item) -> Result<usize, Fault> {
+    fn implementation(&self, caller: usize, item: &Item) -> Result<usize, Fault> {
         let source = self.library.source(item.module);
         if !source.is_interface() {
             return Ok(item.module);
         }
         match self.request.bindings.get(&item.module) {
             Some(&bound) => {
-                if bound != item.module && self.checked.insert(item.module) {
+                if bound != item.module && self.checked.borrow_mut().insert(item.module) {
                     let (contract, implementation) = (self.unit(item.module)?, self.unit(bound)?);
                     interface::check(
                         self.library,
-                        (item.module, &contract),
-                        (bound, &implementation),
+                        (item.module, contract),
+                        (bound, implementation),
                     )?;
                 }
                 Ok(bound)
@@ -216,7 +220,7 @@ pub(crate) struct Linker<'a> {
 impl Linker<'_> {
     fn link(mut self) -> Result<(Module, Origins), Fault> {
         let root = self.targets.request.root;
-        let unit = self.targets.unit(root)?;
+        let unit = self.targets.unit(root)?.clone();
         if self.roots == Roots::Declarations {
             self.declarations(root, &unit)?;
         }
@@ -261,10 +265,9 @@ impl Linker<'_> {
             calls: &self.targets.calls()?,
         })?;
         bindings::allocate(library, &mut self.out, &owners)?;
-        let taken = self.targets.taken.into_inner();
-        let filters = taken
-            .into_iter()
-            .map(|(module, unit)| (module, unit.filters.clone()));
+        let taken = self.targets.taken.into_iter().enumerate();
+        let filters =
+            taken.filter_map(|(module, unit)| Some((module, unit.into_inner()?.filters.clone())));
         let origins = Origins {
             owners,
             functions,
@@ -375,7 +378,7 @@ impl Linker<'_> {
                 .note("let functions of this module call fewer of each other"));
         }
         self.under_way.push(id);
-        let unit = self.targets.unit(id.0)?;
+        let unit = self.targets.unit(id.0)?.clone();
         let original = &unit.module.functions[id.1];
         let mut function = self.body(id.0, &unit, original)?;
         function.name = self.free_name(id.0, &function.name);

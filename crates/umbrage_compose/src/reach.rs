@@ -26,10 +26,10 @@ pub(crate) type FunctionId = (usize, Handle<Function>);
 pub(crate) trait Program {
     fn library(&self) -> &Library;
 
-    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault>;
+    fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault>;
 
     /// The function that `called`, a function or a stand-in in its module's unit, stands for.
-    fn target(&mut self, called: FunctionId) -> Result<FunctionId, Fault>;
+    fn target(&self, called: FunctionId) -> Result<FunctionId, Fault>;
 }
 
 /// What is reachable.
@@ -43,7 +43,7 @@ pub(crate) struct Reach {
     pub(crate) left_out: bool,
 }
 
-pub(crate) fn reach(program: &mut impl Program, root: usize, roots: Roots) -> Result<Reach, Fault> {
+pub(crate) fn reach(program: &impl Program, root: usize, roots: Roots) -> Result<Reach, Fault> {
     let mut reach = Reach::default();
     if roots == Roots::Declarations {
         // Everything that is declared is kept: nothing counts as unread.
@@ -76,7 +76,7 @@ pub(crate) fn reach(program: &mut impl Program, root: usize, roots: Roots) -> Re
     }
 }
 
-fn keep_all(program: &mut impl Program, root: usize) -> Result<Reach, Fault> {
+fn keep_all(program: &impl Program, root: usize) -> Result<Reach, Fault> {
     let mut reach = Reach::default();
     let mut seen = FxHashSet::default();
     let mut modules = vec![root];
@@ -105,7 +105,7 @@ fn keep_all(program: &mut impl Program, root: usize) -> Result<Reach, Fault> {
 }
 
 struct Walk<'a, P> {
-    program: &'a mut P,
+    program: &'a P,
     reads: &'a FxHashSet<ItemNumber>,
     idle: FxHashSet<FunctionId>,
     seen: FxHashSet<FunctionId>,

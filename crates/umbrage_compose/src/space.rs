@@ -13,9 +13,9 @@ use std::{
 use crate::{
     Cause, Composer, Error, Fault, Key, Library,
     bits::Bits,
+    composer::Entry,
     library::Request,
     parts::{Chosen, Part, Question, Table},
-    prepare::Prepared,
 };
 
 /// A set of legal keys: all, or those that a [manifest](crate::Manifest) selects.
@@ -64,7 +64,19 @@ pub struct Variant<'a> {
     pub(crate) chosen: Chosen,
     /// Modules that were read.
     modules: Bits,
+    entries: Entries,
     fault: Option<Fault>,
+}
+
+/// The modules that a walk has read, the last first. Walks that part share what they read before.
+type Entries = Option<Arc<ReadModule>>;
+
+/// A module, as it was read.
+#[derive(Debug)]
+pub(crate) struct ReadModule {
+    module: usize,
+    entry: Arc<Entry>,
+    before: Entries,
 }
 
 impl<'a> Variant<'a> {
@@ -95,6 +107,12 @@ impl<'a> Variant<'a> {
 
     pub(crate) fn module_numbers(&self) -> &Bits {
         &self.modules
+    }
+
+    /// Its modules by number, as they were read.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, &Entry)> {
+        let all = std::iter::successors(self.entries.as_deref(), |read| read.before.as_deref());
+        all.map(|read| (read.module, &*read.entry))
     }
 
     /// Number of the selected keys that make it, at most `u128::MAX`.
@@ -169,7 +187,7 @@ impl<'a> Variant<'a> {
 
 /// A module, read while some features are undecided.
 pub(crate) enum Read {
-    Module(Arc<Prepared>),
+    Module(Arc<Entry>),
     /// Reading depends on this feature, which is not decided.
     Undecided(usize),
     Fault(Fault),
@@ -286,6 +304,7 @@ impl<'a> Iterator for Variants<'a> {
                         selected: walk.selected,
                         chosen: walk.chosen,
                         modules: walk.seen,
+                        entries: walk.entries,
                         fault: walk.fault,
                     });
                 }
@@ -310,6 +329,7 @@ struct Walk {
     known: Known,
     /// Modules that were read.
     seen: Bits,
+    entries: Entries,
     /// Modules to be read.
     waiting: Vec<usize>,
     /// Questions to be asked before the next module is read.
@@ -329,6 +349,7 @@ impl Walk {
             chosen,
             known: Known::default(),
             seen: Bits::default(),
+            entries: None,
             waiting: Vec::new(),
             questions,
             bound: BTreeMap::new(),
@@ -386,14 +407,23 @@ impl Walk {
             match composer.read_undecided(module, &self.known) {
                 Read::Undecided(feature) => return Some(Question::Feature(feature)),
                 Read::Fault(fault) => self.fault = Some(fault),
-                Read::Module(prepared) => {
+                Read::Module(entry) => {
                     self.waiting.pop();
                     self.seen.insert(module);
+                    let Ok(prepared) = &entry.prepared else {
+                        continue;
+                    };
                     self.waiting.extend(&prepared.modules);
                     // Asked in ascending order, as `project::dependencies` does: the first fault is the same.
                     let interfaces = prepared.interfaces.iter().rev();
                     self.questions
                         .extend(interfaces.map(|i| Question::Binding(*i)));
+                    let before = self.entries.take();
+                    self.entries = Some(Arc::new(ReadModule {
+                        module,
+                        entry,
+                        before,
+                    }));
                 }
             }
         }

@@ -32,7 +32,7 @@ fn axes_multiply() {
 
 #[test]
 fn a_person_reads_a_table() {
-    let output = umbrage(&["list", "permutations/all.ron"]);
+    let output = umbrage(&["list", "permutations/demo.ron"]);
     assert_eq!(output.status.code(), Some(0));
     for axis in ["pass", "surface", "light", "method", "pcf", "cookie"] {
         assert!(stdout(&output).contains(axis), "{}", stdout(&output));
