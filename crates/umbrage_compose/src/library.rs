@@ -1,7 +1,7 @@
 //! Libraries: packages, their modules and axes.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, HashMap, HashSet},
     path::Path,
     sync::{Arc, OnceLock, PoisonError, RwLock},
 };
@@ -36,6 +36,8 @@ struct Inner {
     axes: Axes,
     features: FeatureNames,
     table: OnceLock<Table>,
+    /// Harmless faults of the axes.
+    warnings: Vec<Fault>,
     /// Numbers of names, by which items are told apart faster than by text.
     names: RwLock<FxHashMap<String, u32>>,
 }
@@ -133,10 +135,51 @@ impl Library {
             axes,
             features,
             table: OnceLock::new(),
+            warnings: Vec::new(),
             names: RwLock::default(),
         }));
         library.check_axes(&packages)?;
-        Ok(library)
+        let warnings = library.unread_features(&packages);
+        Ok(match Arc::try_unwrap(library.0) {
+            Ok(inner) => Self(Arc::new(Inner { warnings, ..inner })),
+            Err(shared) => Self(shared),
+        })
+    }
+
+    /// What is worth telling of the axes, though it does no harm: values that set a feature which no module asks for.
+    pub fn warnings(&self) -> impl Iterator<Item = &Fault> {
+        self.0.warnings.iter()
+    }
+
+    fn unread_features(&self, packages: &[Package]) -> Vec<Fault> {
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        let words = self
+            .sources()
+            .iter()
+            .flat_map(|source| source.text.split(|c| !is_word(c)));
+        let words: HashSet<&str> = words.collect();
+        let mut warnings = Vec::new();
+        for axis in self.axes().iter() {
+            for (value, effect) in &axis.values {
+                for feature in effect
+                    .features
+                    .iter()
+                    .filter(|name| !words.contains(name.as_str()))
+                {
+                    let name = &axis.name;
+                    let message = format!(
+                        "{name}={value} sets the feature `{feature}`, which no module asks for"
+                    );
+                    let fault = Fault::new(Cause::Manifest, message);
+                    let fault = fault.note(match nearest(feature, words.iter().copied()) {
+                        Some(near) => format!("did you mean `{near}`? Else remove it"),
+                        None => "remove it, or let a module ask for it".to_owned(),
+                    });
+                    warnings.push(locate(fault, packages, &[name, "values", value, feature]));
+                }
+            }
+        }
+        warnings
     }
 
     /// The axes of all packages.
