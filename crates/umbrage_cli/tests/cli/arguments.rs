@@ -33,7 +33,7 @@ fn missing_and_unknown() {
     assert!(
         refusal(&["render", SCENE, "--what", "heat", "--out", "never.png"]).contains("shadow-term")
     );
-    assert!(refusal(&["check"]).contains("MANIFEST"));
+    assert!(refusal(&["prebuild", "--out", "never"]).contains("MANIFEST"));
     assert!(refusal(&["check", "permutations/demo.ron", "--target", "gameboy"]).contains("webgpu"));
     assert!(refusal(&["prebuild", "permutations/demo.ron"]).contains("--out"));
     assert!(refusal(&["link", "x.wesl", "--bind", "interface"]).contains("INTERFACE=MODULE"));
