@@ -131,7 +131,9 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
     for index in 0..subjects.len() {
         findings.examine(index, &subjects);
         let warnings = subjects[index].composer.library().warnings();
-        findings.warnings.extend(warnings.map(ToString::to_string));
+        findings
+            .warnings
+            .extend(warnings.iter().map(ToString::to_string));
     }
     let report = report(&findings, &subjects);
     if args.json {

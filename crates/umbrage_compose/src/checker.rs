@@ -16,7 +16,7 @@ use std::{
 };
 
 use naga::{Expression, Function, Handle, Module, ShaderStage, TypeInner, valid::GlobalUse};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 use smallvec::{SmallVec, smallvec};
 
 use crate::{
@@ -248,11 +248,11 @@ impl<'a> Trace<'a> {
             checker,
             request,
             entries: vec![None; checker.roles.len()],
-            targets: RefCell::default(),
+            targets: RefCell::new(with_room()),
             pairs: RefCell::default(),
             reach: Reach::default(),
             counted: FxHashSet::default(),
-            found: FxHashMap::default(),
+            found: with_room(),
             under_way: 0,
         };
         for (module, entry) in variant.entries() {
@@ -474,7 +474,7 @@ impl<'a> Trace<'a> {
                 }
             }
         }
-        let mut callers: FxHashMap<(usize, FunctionId), Handle<Function>> = FxHashMap::default();
+        let mut callers: FxHashMap<(usize, FunctionId), Handle<Function>> = with_room();
         let targets = self.targets.borrow();
         let calls = targets
             .iter()
@@ -484,6 +484,11 @@ impl<'a> Trace<'a> {
         });
         names.any(|other| other)
     }
+}
+
+/// A map with room for the functions of a large shader: growing it bit by bit takes as long as filling it.
+fn with_room<K, V>() -> FxHashMap<K, V> {
+    FxHashMap::with_capacity_and_hasher(256, FxBuildHasher)
 }
 
 /// Gives the numbers of a context and its summary, where it is known.

@@ -15,6 +15,7 @@ use crate::{
     capabilities,
     error::nearest,
     features::FeatureNames,
+    file::SourceText,
     names::may_stand_in_paths,
     package::Dependency,
     parts::{Question, Table},
@@ -36,8 +37,8 @@ struct Inner {
     axes: Axes,
     features: FeatureNames,
     table: OnceLock<Table>,
-    /// Harmless faults of the axes.
-    warnings: Vec<Fault>,
+    /// Files of the packages' axes.
+    axes_files: Vec<SourceText>,
     /// Numbers of names, by which items are told apart faster than by text.
     names: RwLock<FxHashMap<String, u32>>,
 }
@@ -135,23 +136,15 @@ impl Library {
             axes,
             features,
             table: OnceLock::new(),
-            warnings: Vec::new(),
+            axes_files: packages.into_iter().filter_map(|p| p.axes).collect(),
             names: RwLock::default(),
         }));
-        library.check_axes(&packages)?;
-        let warnings = library.unread_features(&packages);
-        Ok(match Arc::try_unwrap(library.0) {
-            Ok(inner) => Self(Arc::new(Inner { warnings, ..inner })),
-            Err(shared) => Self(shared),
-        })
+        library.check_axes()?;
+        Ok(library)
     }
 
     /// What is worth telling of the axes, though it does no harm: values that set a feature which no module asks for.
-    pub fn warnings(&self) -> impl Iterator<Item = &Fault> {
-        self.0.warnings.iter()
-    }
-
-    fn unread_features(&self, packages: &[Package]) -> Vec<Fault> {
+    pub fn warnings(&self) -> Vec<Fault> {
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let words = self
             .sources()
@@ -175,7 +168,7 @@ impl Library {
                         Some(near) => format!("did you mean `{near}`? Else remove it"),
                         None => "remove it, or let a module ask for it".to_owned(),
                     });
-                    warnings.push(locate(fault, packages, &[name, "values", value, feature]));
+                    warnings.push(self.in_axes(fault, &[name, "values", value, feature]));
                 }
             }
         }
@@ -351,7 +344,7 @@ impl Library {
     }
 
     /// Whether the modules that the axes name exist, and interfaces are interfaces.
-    fn check_axes(&self, packages: &[Package]) -> Result<(), Error> {
+    fn check_axes(&self) -> Result<(), Error> {
         for axis in self.axes().iter() {
             for (value, effect) in &axis.values {
                 let modules = effect
@@ -364,7 +357,7 @@ impl Library {
                 for path in modules {
                     if self.module(path).is_none() {
                         let fault = self.no_module(Cause::Manifest, path);
-                        return Err(locate(fault, packages, &[&axis.name, "values", value]).into());
+                        return Err(self.in_axes(fault, &[&axis.name, "values", value]).into());
                     }
                 }
                 for interface in effect.bind.keys() {
@@ -373,23 +366,23 @@ impl Library {
                         let message = format!("`{interface}` is no interface");
                         let fault = Fault::new(Cause::Manifest, message)
                             .note("interfaces lie in their package's folder `interface`");
-                        return Err(locate(fault, packages, &[&axis.name, "values", value]).into());
+                        return Err(self.in_axes(fault, &[&axis.name, "values", value]).into());
                     }
                 }
             }
         }
         capabilities::check(self.axes()).map_err(|misuse| {
             let path: Vec<_> = misuse.path.iter().map(String::as_str).collect();
-            locate(misuse.fault, packages, &path)
+            self.in_axes(misuse.fault, &path)
         })?;
         match self.table().contradiction() {
-            Some((question, values)) => Err(self.contradiction(packages, question, values).into()),
+            Some((question, values)) => Err(self.contradiction(question, values).into()),
             None => Ok(()),
         }
     }
 
     /// Fault of two values that answer `question` differently.
-    fn contradiction(&self, packages: &[Package], question: Question, values: [usize; 2]) -> Fault {
+    fn contradiction(&self, question: Question, values: [usize; 2]) -> Fault {
         let [(axis, value), (other_axis, other)] = values.map(|value| self.table().name(value));
         let message = match question {
             Question::Binding(interface) => format!(
@@ -403,8 +396,27 @@ impl Library {
         let fault = Fault::new(Cause::Manifest, message).note(
             "let one of them need what only values without the other provide, or bind in one place only",
         );
-        let fault = locate(fault, packages, &[axis, "values", value]);
-        locate(fault, packages, &[other_axis, "values", other])
+        let fault = self.in_axes(fault, &[axis, "values", value]);
+        self.in_axes(fault, &[other_axis, "values", other])
+    }
+
+    /// `fault` at the words of `path`, in the first file of axes that has them in this order.
+    fn in_axes(&self, fault: Fault, path: &[&str]) -> Fault {
+        let has = |text: &str| {
+            let mut rest = text;
+            path.iter().all(|word| match rest.find(word) {
+                Some(at) => {
+                    rest = &rest[at + word.len()..];
+                    true
+                }
+                None => false,
+            })
+        };
+        let mut files = self.0.axes_files.iter();
+        match files.find(|source| has(&source.text)) {
+            Some(source) => fault.at(crate::ron_text::literal(source, path)),
+            None => fault,
+        }
     }
 
     pub(crate) fn no_module(&self, cause: Cause, path: &str) -> Fault {
@@ -422,25 +434,6 @@ impl Library {
                 fault.note(format!("packages: {}", packages.join(", ")))
             }
         }
-    }
-}
-
-/// `fault` at the words of `path`, in the first package whose axes have them in this order.
-fn locate(fault: Fault, packages: &[Package], path: &[&str]) -> Fault {
-    let has = |text: &str| {
-        let mut rest = text;
-        path.iter().all(|word| match rest.find(word) {
-            Some(at) => {
-                rest = &rest[at + word.len()..];
-                true
-            }
-            None => false,
-        })
-    };
-    let mut files = packages.iter().filter_map(|package| package.axes.as_ref());
-    match files.find(|source| has(&source.text)) {
-        Some(source) => fault.at(crate::ron_text::literal(source, path)),
-        None => fault,
     }
 }
 
