@@ -2,10 +2,14 @@
 
 use std::{
     collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
 };
 
-use serde::Deserialize;
+use serde::{
+    Deserialize,
+    de::{MapAccess, value::MapAccessDeserializer},
+};
 
 use crate::{
     Cause, Error, Fault, Library, Package, Selection, bits::Bits, file::SourceText,
@@ -28,7 +32,8 @@ use crate::{
 /// ```
 /// `packages` names folders relative to the manifest. Each of `keys` is a product of values, `All` of
 /// an axis or some; an axis that it leaves out stays at its default. Combinations that are not legal are left out.
-/// `keys: All` means every legal key.
+/// One of `keys` may also be a key as text, `"light=spot,pass=caster"`, such as a report says was drawn; it must be
+/// legal. `keys: All` means every legal key.
 #[derive(Debug)]
 pub struct Manifest {
     library: Library,
@@ -127,11 +132,27 @@ fn select(library: &Library, source: &SourceText, file: &ManifestFile) -> Result
     let mut used = vec![false; rules.len()];
     let mut taken: Vec<Part> = Vec::new();
     let mut parts: Vec<Part> = Vec::new();
-    for ProductFile(named) in &file.keys {
-        axes.check_complete(|axis| named.contains_key(axis))
-            .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
-        let mut whole = product(library, source, "keys", named)?;
-        table.at_defaults(&mut whole, |axis| !named.contains_key(axis));
+    for keys in &file.keys {
+        let whole = match keys {
+            KeysFile::Product(named) => {
+                axes.check_complete(|axis| named.contains_key(axis))
+                    .map_err(|fault| in_manifest(fault, source, &["keys"]))?;
+                let mut whole = product(library, source, "keys", named)?;
+                table.at_defaults(&mut whole, |axis| !named.contains_key(axis));
+                whole
+            }
+            KeysFile::Key(text) => {
+                let key = library.parse_key(text).map_err(|error| {
+                    let faults = error.into_faults().into_iter();
+                    Error::all(
+                        faults
+                            .map(|f| in_manifest(f, source, &["keys", text]))
+                            .collect(),
+                    )
+                })?;
+                table.only(axes, &key)
+            }
+        };
         for (rule, used) in rules.iter().zip(&mut used) {
             *used |= table.first(&whole.and(rule)).is_some();
         }
@@ -196,7 +217,7 @@ struct ManifestFile {
     packages: BTreeMap<String, String>,
     #[serde(default = "default_target")]
     target: String,
-    keys: Vec<ProductFile>,
+    keys: Vec<KeysFile>,
     #[serde(default)]
     exclude: Vec<ExcludeFile>,
 }
@@ -213,10 +234,37 @@ struct ExcludeFile {
     reason: String,
 }
 
-/// Values for some axes.
-#[derive(Deserialize)]
-#[serde(transparent)]
-struct ProductFile(#[serde(deserialize_with = "ron_text::unique")] BTreeMap<String, Choice>);
+/// Keys to select.
+enum KeysFile {
+    /// Values for some axes.
+    Product(BTreeMap<String, Choice>),
+    /// One key, as it is printed.
+    Key(String),
+}
+
+impl<'de> Deserialize<'de> for KeysFile {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = KeysFile;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("values for some axes, or a key as text")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<KeysFile, A::Error> {
+                ron_text::unique(MapAccessDeserializer::new(map)).map(KeysFile::Product)
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<KeysFile, E> {
+                Ok(KeysFile::Key(text.to_owned()))
+            }
+        }
+
+        deserializer.deserialize_any(Visitor)
+    }
+}
 
 /// A manifest's keys, to see whether they are `All`.
 #[derive(Deserialize)]

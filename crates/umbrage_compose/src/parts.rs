@@ -12,7 +12,7 @@ use std::{
 };
 
 use crate::{
-    Key, Library,
+    Axes, Key, Library,
     axes::{Counting, EffectNumbers},
     bits::Bits,
     library::Request,
@@ -324,6 +324,18 @@ impl Table {
     pub(crate) fn at_defaults(&self, part: &mut Part, is_fixed: impl Fn(&str) -> bool) {
         for axis in self.axes.iter().filter(|axis| is_fixed(&axis.name)) {
             part.open.remove_all(&axis.values.clone().skip(1).collect());
+        }
+    }
+
+    /// `key` alone.
+    pub(crate) fn only(&self, axes: &Axes, key: &Key) -> Part {
+        let values = self.axes.iter().filter_map(|axis| {
+            let value = axes.value(key, &axis.name)?;
+            self.number(&axis.name, value)
+        });
+        Part {
+            open: values.collect(),
+            required: Bits::default(),
         }
     }
 

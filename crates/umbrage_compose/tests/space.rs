@@ -4,7 +4,10 @@
     reason = "a test's helpers may fail it, with the error's own words"
 )]
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use proptest::prelude::*;
 use umbrage_compose::{
@@ -460,4 +463,37 @@ fn assertions_are_checked() {
         notes,
         (2, "const_assert"),
     );
+}
+
+/// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Ten minutes on two cores.
+#[test]
+#[ignore = "composes more than a million permutations: run it after a change of the checker or the linker"]
+fn our_whole_space_composes() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
+    let package = Package::load("umbrage", &path).unwrap_or_else(|error| panic!("{error}"));
+    let library = Library::new([package]).unwrap_or_else(|error| panic!("{error}"));
+    let composer = Composer::new(library.clone(), Target::webgpu());
+    let checker = Checker::new(&composer);
+    let parts = composer.variants().split(4096);
+    let next = AtomicUsize::new(0);
+    let count = AtomicUsize::new(0);
+    let work = || {
+        while let Some(part) = parts.get(next.fetch_add(1, Ordering::Relaxed)) {
+            // A composer keeps what it makes: one for each part keeps memory small.
+            let oracle = Composer::new(library.clone(), Target::webgpu());
+            for variant in part.clone() {
+                let key = variant.key();
+                let checked = checker.check(&variant).fault.map(|fault| fault.to_string());
+                let composed = oracle.compose(&key).err().map(|fault| fault.to_string());
+                assert_eq!(checked, composed, "{key}");
+                count.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    assert!(count.into_inner() > 1_000_000);
 }

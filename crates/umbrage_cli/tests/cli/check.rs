@@ -94,6 +94,37 @@ fn a_package_needs_no_manifest() {
     assert!(refusal(&both).contains("cannot be used with"));
 }
 
+/// A manifest may name keys as they are printed, such as those that a run recorded.
+#[test]
+fn keys_are_text_in_manifests() {
+    let folder = faulty_package();
+    let manifest = |keys: &str| {
+        let text = format!("(packages: {{ \"pkg\": \"pkg\" }}, keys: [\n    {keys},\n])");
+        write(&folder, "some.ron", &text);
+        path_in(&folder, "some.ron")
+    };
+    let path = manifest(r#""light=lamp,method=bad,pass=main", "pass=main", { "pass": All }"#);
+    let report = json(&umbrage(&["check", &path, "--json"]));
+    assert_eq!(
+        (&report["keys"], &report["permutations"]),
+        (&json!(2), &json!(2))
+    );
+    assert_eq!(
+        report["faults"][0]["keys"],
+        json!(["light=lamp,method=bad,pass=main"])
+    );
+    let said = refusal(&["check", &manifest(r#""lihgt=lamp,pass=main""#)]);
+    assert!(
+        said.contains("did you mean `light`?") && said.contains("some.ron:2:5"),
+        "{said}"
+    );
+    let said = refusal(&["check", &manifest(r#""light=lamp""#)]);
+    assert!(
+        said.contains("`pass`") && said.contains("some.ron:2:5"),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_person_reads_the_source_line() {
     let folder = faulty_package();

@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library};
 use umbrage_shadow::{
     Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
+    names::{nearest, suggestion},
 };
 
 use super::{RenderOptions, draw::Term};
@@ -135,7 +136,7 @@ fn set_up_method<'a>(
         .find(|axis| !method.axes().contains(&axis.as_str()))
     {
         let known = method.axes().join(", ");
-        let hint = hint(axis, method.axes().iter().copied());
+        let hint = suggestion(&nearest(axis, method.axes().iter().copied()));
         let problem =
             format!("but method `{name}` has no axis of that name (known: {known}){hint}");
         return Err(RenderError::Axis {
@@ -184,7 +185,7 @@ fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Resul
                 .iter()
                 .map(|axis| axis.name.as_str())
                 .collect();
-            let hint = hint(axis, known.iter().copied());
+            let hint = suggestion(&nearest(axis, known.iter().copied()));
             format!(
                 "but there is no axis of that name (known: {}){hint}",
                 known.join(", ")
@@ -203,17 +204,6 @@ fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Resul
         axis: axis.to_owned(),
         problem,
     })
-}
-
-/// `; did you mean …?` for the known name nearest to `name`; nothing where none is near.
-fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    known
-        .into_iter()
-        .map(|known| (strsim::jaro_winkler(name, known), known))
-        .filter(|(score, _)| *score > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, known)| format!("; did you mean `{known}`?"))
-        .unwrap_or_default()
 }
 
 /// The key of a draw in `pass`: of `object`, where objects are drawn; for a light, where the pass is
