@@ -157,22 +157,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("wesl, to a text                      {}", report.wesl_us);
     println!(
-        "(a) new over floor       {:.3}  (goal 0.25, later 0.12)",
+        "(a) new over floor       {:.3}  (goal 0.05)",
         report.new_over_floor
     );
     println!(
-        "(b) cached over HashMap  {:.3}  (goal 3)",
+        "(b) cached over HashMap  {:.3}  (goal 1.2)",
         report.cached_over_hashmap
     );
     println!(
-        "(c) cold over floor      {:.3}  (goal 4)",
+        "(c) cold over floor      {:.3}  (goal 2)",
         report.cold_over_floor
     );
     println!(
-        "(d) naga_oil over new    {:.3}",
+        "(d) naga_oil over new    {:.3}  (goal 20)",
         report.naga_oil_warm_over_ours
     );
-    println!("(e) wesl over new        {:.3}", report.wesl_over_ours);
+    println!(
+        "(e) wesl over new        {:.3}  (goal 60)",
+        report.wesl_over_ours
+    );
     let Space {
         keys,
         permutations,
