@@ -1,13 +1,11 @@
 //! The smallest choice of axes that triggers a fault.
 
-use std::collections::BTreeSet;
-
 /// An axis and its values.
 pub(crate) type Axis = (String, Vec<String>);
 
-/// A checked permutation: for each value of each axis, in their order, whether some of its keys may have it; and whether
-/// it has the fault.
-pub(crate) type Checked = (Vec<bool>, bool);
+/// A checked permutation: a bit for each value of each axis, in their order, 64 to a word: whether some of its keys may
+/// have it; and whether it has the fault.
+pub(crate) type Checked = (Vec<u64>, bool);
 
 /// Axes with their values, both as numbers; the axes ascend.
 type Choice = Vec<(usize, usize)>;
@@ -19,10 +17,10 @@ type Subjects = Vec<u64>;
 /// that every permutation that may have these values has the fault. Among equally small choices that explain as many
 /// faults, the first axes win. Where no one choice covers all faulty permutations, several, joined by “or”; where
 /// everything is faulty, `always`.
-pub(crate) fn smallest_cause(axes: &[Axis], checked: impl IntoIterator<Item = Checked>) -> String {
+pub(crate) fn smallest_cause(axes: &[Axis], mut checked: Vec<Checked>) -> String {
     // Permutations that agree on all axes count once.
-    let checked: BTreeSet<_> = checked.into_iter().collect();
-    let checked: Vec<_> = checked.into_iter().collect();
+    checked.sort_unstable();
+    checked.dedup();
     let mut uncovered = subjects(checked.iter().map(|(_, faulty)| *faulty));
     let clean = subjects(checked.iter().map(|(_, faulty)| !faulty));
     if is_empty(&clean) {
@@ -76,23 +74,33 @@ struct Column {
 
 /// Axes whose values differ between permutations: no other axis can be part of a smallest choice.
 fn distinguishing_axes(axes: &[Axis], checked: &[Checked]) -> Vec<Column> {
-    let mut first = 0;
-    let mut columns = Vec::new();
-    for (name, values) in axes {
-        let range = first..first + values.len();
-        first = range.end;
-        let mut rows = checked.iter().map(|(has, _)| &has[range.clone()]);
-        let one = rows.next();
-        if rows.all(|row| Some(row) == one) {
-            continue;
+    let count = axes.iter().map(|(_, values)| values.len()).sum();
+    let mut columns = vec![vec![0; checked.len().div_ceil(64)]; count];
+    for (row, (words, _)) in checked.iter().enumerate() {
+        for (index, word) in words.iter().enumerate() {
+            let mut rest = *word;
+            while rest != 0 {
+                columns[index * 64 + rest.trailing_zeros() as usize][row / 64] |= 1 << (row % 64);
+                rest &= rest - 1;
+            }
         }
-        let column = range.map(|index| subjects(checked.iter().map(|(has, _)| has[index])));
-        columns.push(Column {
-            name: name.clone(),
-            values: values.iter().cloned().zip(column).collect(),
-        });
     }
-    columns
+    let all = subjects(checked.iter().map(|_| true));
+    let mut columns = columns.into_iter();
+    let mut distinguishing = Vec::new();
+    for (name, values) in axes {
+        let columns: Vec<_> = columns.by_ref().take(values.len()).collect();
+        if columns
+            .iter()
+            .any(|column| *column != all && !is_empty(column))
+        {
+            distinguishing.push(Column {
+                name: name.clone(),
+                values: values.iter().cloned().zip(columns).collect(),
+            });
+        }
+    }
+    distinguishing
 }
 
 /// `choice` with one more axis, after its last.
@@ -120,7 +128,7 @@ fn having(choice: &Choice, axes: &[Column], count: usize) -> Subjects {
     all
 }
 
-fn subjects(members: impl Iterator<Item = bool>) -> Subjects {
+pub(crate) fn subjects(members: impl Iterator<Item = bool>) -> Subjects {
     let mut subjects = Subjects::new();
     for (index, member) in members.enumerate() {
         if index % 64 == 0 {
@@ -152,7 +160,7 @@ fn described(choice: &Choice, axes: &[Column]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use std::collections::{BTreeMap, BTreeSet};
 
     use super::*;
 
@@ -172,9 +180,9 @@ mod tests {
                 let own = subject.get(axis.as_str());
                 values.iter().map(move |value| own == Some(&value.as_str()))
             });
-            (has.collect(), faulty(subject))
+            (super::subjects(has), faulty(subject))
         });
-        smallest_cause(&axes, checked)
+        smallest_cause(&axes, checked.collect())
     }
 
     /// The cause over a product of axes, where `faulty` says which subjects fail.
@@ -258,10 +266,7 @@ mod tests {
             )
         };
         let pass = || ("pass".to_owned(), vec!["lit".to_owned(), "own".to_owned()]);
-        let checked = [
-            (vec![false, true, false, true], true),
-            (vec![true, false, true, false], false),
-        ];
+        let checked = vec![(vec![0b1010], true), (vec![0b0101], false)];
         assert_eq!(
             smallest_cause(&[method(), pass()], checked.clone()),
             "method=none"

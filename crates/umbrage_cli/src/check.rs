@@ -4,19 +4,20 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use umbrage::compose::{
-    Cause, Checker, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection, Variant,
-    Variants,
+    Axes, Cause, Checker, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection,
+    Variant, Variants,
 };
 
 use crate::{
     args::CheckArgs,
-    cause::{Axis, Checked, smallest_cause},
+    cause::{Axis, Checked, smallest_cause, subjects as bits},
     output::{print_json, progress},
     packages::library,
     targets::target,
@@ -88,11 +89,16 @@ struct Findings {
 struct Found {
     fault: Fault,
     failed: u128,
-    /// Permutations with the fault.
+    /// Permutations with the fault, ascending.
     permutations: Vec<Ordinal>,
+    /// Choices that matter to some of them, as axis and value: for each one of its keys.
+    choices: BTreeMap<(Arc<str>, String), Faulty>,
     /// Keys to tell.
     keys: BTreeSet<Key>,
 }
+
+/// A key with a fault, and its subject.
+type Faulty = (u32, Key);
 
 /// Place of a permutation in the walk: its subject, the part of the walk, and its place there.
 type Ordinal = (u32, u32, u32);
@@ -174,9 +180,9 @@ impl Findings {
         let first = kin.next().map_or(index, |(first, _)| first);
         let is_alone = first == index && kin.next().is_none();
         let checker = Checker::new(&subject.composer);
-        let bar = progress("checking", 0);
-        let parts = subject.parts().into_par_iter().enumerate();
-        let parts = parts.map(|(number, part)| {
+        let parts = subject.parts();
+        let bar = progress("checking", parts.len());
+        let parts = parts.into_par_iter().enumerate().map(|(number, part)| {
             let mut findings = Self::default();
             for (place, variant) in part.enumerate() {
                 match is_alone {
@@ -187,10 +193,11 @@ impl Findings {
                 findings.warnings.extend(checked.warnings);
                 if let Some(error) = checked.fault {
                     let ordinal = (index as u32, number as u32, place as u32);
-                    findings.fail(ordinal, &variant, error);
+                    let axes = subject.composer.library().axes();
+                    findings.fail(axes, ordinal, &variant, error);
                 }
-                bar.inc(1);
             }
+            bar.inc(1);
             findings
         });
         let parts: Vec<_> = parts.collect();
@@ -200,15 +207,27 @@ impl Findings {
         }
     }
 
-    fn fail(&mut self, ordinal: Ordinal, variant: &Variant<'_>, error: Error) {
+    fn fail(&mut self, axes: &Axes, ordinal: Ordinal, variant: &Variant<'_>, error: Error) {
         let count = variant.count();
         let keys = match count <= TOLD as u128 {
             true => variant.keys(),
             false => vec![variant.key()],
         };
         self.failed = self.failed.saturating_add(count);
+        let key = variant.key();
+        let choices: Vec<_> = (variant.mattering())
+            .map(|axis| {
+                (
+                    axis.clone(),
+                    axes.value(&key, axis).unwrap_or("").to_owned(),
+                )
+            })
+            .collect();
         for fault in error.into_faults() {
             let found = self.add(fault);
+            for choice in &choices {
+                found.meet(choice.clone(), (ordinal.0, key.clone()));
+            }
             found.failed = found.failed.saturating_add(count);
             found.permutations.push(ordinal);
             let room = TOLD.saturating_sub(found.keys.len());
@@ -222,6 +241,7 @@ impl Findings {
             fault,
             failed: 0,
             permutations: Vec::new(),
+            choices: BTreeMap::new(),
             keys: BTreeSet::new(),
         })
     }
@@ -235,6 +255,9 @@ impl Findings {
             let own = self.add(found.fault);
             own.failed = own.failed.saturating_add(found.failed);
             own.permutations.extend(found.permutations);
+            for (choice, faulty) in found.choices {
+                own.meet(choice, faulty);
+            }
             let room = TOLD.saturating_sub(own.keys.len());
             own.keys.extend(found.keys.into_iter().take(room));
         }
@@ -255,22 +278,21 @@ impl Findings {
     }
 }
 
+impl Found {
+    /// Takes note of a choice that matters to a faulty key; of several keys the first.
+    fn meet(&mut self, choice: (Arc<str>, String), faulty: Faulty) {
+        let known = self.choices.entry(choice).or_insert_with(|| faulty.clone());
+        if faulty < *known {
+            *known = faulty;
+        }
+    }
+}
+
 impl Subject {
     /// Its permutations, in parts.
     fn parts(&self) -> Vec<Variants<'_>> {
         self.composer.select(&self.selection).split(PARTS)
     }
-}
-
-/// Permutations of all subjects, each with its place.
-fn all(subjects: &[Subject]) -> impl Iterator<Item = (Ordinal, Variant<'_>)> {
-    (0..).zip(subjects).flat_map(|(index, subject)| {
-        (0..).zip(subject.parts()).flat_map(move |(number, part)| {
-            (0..)
-                .zip(part)
-                .map(move |(place, variant)| ((index, number, place), variant))
-        })
-    })
 }
 
 /// Parts that a space is checked in: enough for many threads, though the parts differ in size.
@@ -315,14 +337,11 @@ fn cause(found: &Found, subjects: &[Subject]) -> String {
     // A choice that matters to no faulty permutation has nothing to do with it, even where it goes with one that has.
     // Of the others those come first that chose the module that the fault lies in.
     let mut nearness = BTreeMap::from([(ORIGIN.to_owned(), Nearness::None)]);
-    let is_faulty = |ordinal: &Ordinal| found.permutations.binary_search(ordinal).is_ok();
-    for (ordinal, variant) in all(subjects).filter(|(ordinal, _)| is_faulty(ordinal)) {
-        let (composer, key) = (&subjects[ordinal.0 as usize].composer, variant.key());
-        for axis in variant.mattering() {
-            let near = composer.nearness(&key, axis, &found.fault);
-            let nearest = nearness.entry(axis.to_string()).or_insert(Nearness::None);
-            *nearest = near.max(*nearest);
-        }
+    for ((axis, _), (subject, key)) in &found.choices {
+        let composer = &subjects[*subject as usize].composer;
+        let near = composer.nearness(key, axis, &found.fault);
+        let nearest = nearness.entry(axis.to_string()).or_insert(Nearness::None);
+        *nearest = near.max(*nearest);
     }
     let mut axes: Vec<_> = nearness.into_iter().collect();
     axes.sort_by(|(a, near), (b, other)| (other, a).cmp(&(near, b)));
@@ -336,27 +355,39 @@ fn cause(found: &Found, subjects: &[Subject]) -> String {
         }
     };
     let axes: Vec<Axis> = (axes.into_iter())
-        .map(|(axis, _)| (values(&axis).into_iter().collect(), axis))
-        .map(|(values, axis)| (axis, values))
+        .map(|(axis, _)| {
+            let values = values(&axis).into_iter().collect();
+            (axis, values)
+        })
         .collect();
-    // Values that a subject's library has, by number; a manifest is one or is not.
-    let numbers = subjects.iter().map(|subject| {
+    let mut checked = Vec::new();
+    for (index, subject) in (0..).zip(subjects) {
         let (library, origin) = (subject.composer.library(), subject.origin.as_ref());
+        // Values that the subject's library has, by number; a manifest is one or is not.
         let values = axes.iter().flat_map(|(axis, values)| {
             values.iter().map(move |value| match axis.as_str() {
                 ORIGIN => Err(origin == Some(value)),
                 axis => library.value(axis, value).ok_or(false),
             })
         });
-        values.collect()
-    });
-    let numbers: Vec<Vec<_>> = numbers.collect();
-    let checked = all(subjects).map(|(ordinal, variant)| -> Checked {
-        let has = numbers[ordinal.0 as usize].iter().map(|value| match value {
-            Ok(value) => variant.may_have(*value),
-            Err(is_origin) => *is_origin,
+        let values: Vec<_> = values.collect();
+        let parts = subject.parts().into_par_iter().enumerate();
+        let rows = parts.flat_map_iter(|(number, part)| {
+            let rows = (0..).zip(part).map(|(place, variant)| -> Checked {
+                let has = values.iter().map(|value| match value {
+                    Ok(value) => variant.may_have(*value),
+                    Err(is_origin) => *is_origin,
+                });
+                let ordinal = (index, number as u32, place);
+                let is_faulty = found.permutations.binary_search(&ordinal).is_ok();
+                (bits(has), is_faulty)
+            });
+            let mut rows: Vec<_> = rows.collect();
+            rows.sort_unstable();
+            rows.dedup();
+            rows
         });
-        (has.collect(), is_faulty(&ordinal))
-    });
+        checked.extend(rows.collect::<Vec<_>>());
+    }
     smallest_cause(&axes, checked)
 }
