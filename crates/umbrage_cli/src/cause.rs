@@ -27,6 +27,9 @@ pub(crate) fn smallest_cause(axes: &[Axis], mut checked: Vec<Checked>) -> String
         return "always".to_owned();
     }
     let axes = distinguishing_axes(axes, &checked);
+    if checked.len() > EXACT {
+        return minimal_causes(&axes, uncovered, &clean);
+    }
     let mut causes = Vec::new();
     let mut level = vec![Choice::new()];
     // Level by level: choices of one axis, of two, ... What triggers the fault, or has nothing to do
@@ -62,6 +65,49 @@ pub(crate) fn smallest_cause(axes: &[Axis], mut checked: Vec<Checked>) -> String
                 .for_each(|(uncovered, has)| *uncovered &= !has);
         }
         level = undecided;
+    }
+    causes.join(" or ")
+}
+
+/// Most permutations among which the smallest causes are searched for: the search takes as long as they are many, for
+/// each of thousands of choices.
+const EXACT: usize = 1 << 14;
+
+/// Most causes that are told of very many permutations.
+const TOLD: usize = 8;
+
+/// Causes from which no axis can be left out: from all choices of the first faulty permutation that is not yet covered,
+/// axes are dropped while no clean permutation has the rest, the last axes first.
+fn minimal_causes(axes: &[Column], mut uncovered: Subjects, clean: &Subjects) -> String {
+    let count = clean.len() * 64;
+    let mut causes = Vec::new();
+    while let Some(word) = uncovered.iter().position(|word| *word != 0) {
+        if causes.len() == TOLD {
+            causes.push("other choices".to_owned());
+            break;
+        }
+        let (bit, mut cause) = (uncovered[word].trailing_zeros(), Choice::new());
+        for (index, axis) in axes.iter().enumerate() {
+            let has = |(_, column): &(String, Subjects)| column[word] >> bit & 1 == 1;
+            let mut own = (0..).zip(&axis.values).filter(|(_, value)| has(value));
+            // Where it may have several values, the axis has nothing to do with it.
+            if let (Some((value, _)), None) = (own.next(), own.next()) {
+                cause.push((index, value));
+            }
+        }
+        for place in (0..cause.len()).rev() {
+            let mut less = cause.clone();
+            less.remove(place);
+            if count_both(&having(&less, axes, count), clean) == 0 {
+                cause = less;
+            }
+        }
+        causes.push(described(&cause, axes));
+        let has = having(&cause, axes, count);
+        let covered = uncovered.iter_mut().zip(has);
+        covered.for_each(|(uncovered, has)| *uncovered &= !has);
+        // Whatever else there is, the permutation itself is covered.
+        uncovered[word] &= !(1 << bit);
     }
     causes.join(" or ")
 }
@@ -254,6 +300,24 @@ mod tests {
         let subjects = [Values::from([("blur", "9")]), Values::new()];
         let found = cause_among(&subjects, |values| values.contains_key("blur"));
         assert_eq!(found, "blur=9");
+    }
+
+    /// Among very many permutations too.
+    #[test]
+    fn a_cause_among_many_is_found() {
+        let digits: Vec<String> = (0..10).map(|digit| digit.to_string()).collect();
+        let axes: Vec<Axis> = (0..5).map(|n| (format!("a{n}"), digits.clone())).collect();
+        let faulty = |number: usize| number / 10 % 10 == 3 && number / 1000 % 10 == 7;
+        let checked = (0..100_000).map(|number: usize| {
+            let has = (0..5).flat_map(|axis| {
+                let digit = number / 10usize.pow(axis) % 10;
+                (0..10).map(move |value| value == digit)
+            });
+            (subjects(has), faulty(number))
+        });
+        let checked: Vec<_> = checked.collect();
+        assert!(checked.len() > EXACT);
+        assert_eq!(smallest_cause(&axes, checked), "a1=3, a3=7");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub(crate) struct Table {
     answers: HashMap<Question, Vec<(usize, usize)>>,
     /// Values that give each mark.
     givers: Vec<Bits>,
+    /// For each mark that values of one axis alone give, the other values of that axis.
+    excluded: Vec<Bits>,
     countings: Vec<Counting>,
     /// Marks below this are capabilities, and those from there on are features.
     first_feature: usize,
@@ -127,6 +129,19 @@ impl Table {
             values.map(|(number, _)| number).collect()
         });
         table.givers = givers.collect();
+        let excluded = table.givers.iter().map(|givers| {
+            let is_giving = |axis: &&Choices| axis.values.clone().any(|v| givers.contains(v));
+            let mut giving = table.axes.iter().filter(is_giving);
+            match (giving.next(), giving.next()) {
+                (Some(axis), None) => axis
+                    .values
+                    .clone()
+                    .filter(|v| !givers.contains(*v))
+                    .collect(),
+                _ => Bits::default(),
+            }
+        });
+        table.excluded = excluded.collect();
         for (&claim, &mark) in &table.claims {
             let (question, answer) = match claim {
                 Claim::Root(to) => (Question::Root, to),
@@ -235,6 +250,7 @@ impl Table {
                     continue;
                 }
                 others.remove_all(&self.givers[mark]);
+                others.union(&self.excluded[mark]);
                 side.required.insert(mark);
             }
             side.open.remove_all(&others);
