@@ -150,12 +150,6 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Numbers of distinct contexts and of distinct shaders' entry points that are known.
-    pub fn parts(&self) -> (usize, usize) {
-        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
-        (known.contexts.len(), known.wholes.len())
-    }
-
     fn roles(&self, module: usize) -> &[Role] {
         self.roles[module].get_or_init(|| {
             let library = self.composer.library();
