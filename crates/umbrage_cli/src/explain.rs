@@ -18,7 +18,7 @@ use crate::{
     packages::library,
 };
 
-/// What `--json` prints of a key.
+/// JSON report about a key.
 #[derive(Serialize)]
 struct OfKey {
     permutation: String,
@@ -46,7 +46,7 @@ struct OfBinding {
     module: String,
 }
 
-/// What `--json` prints of a file.
+/// JSON report about a file.
 #[derive(Serialize, Default)]
 struct OfFile {
     module: String,

@@ -61,7 +61,7 @@ pub(crate) fn list(args: &ListArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is counted of some permutations.
+/// Counts of some permutations.
 #[derive(Default)]
 struct Counts {
     permutations: usize,

@@ -396,7 +396,7 @@ impl<'a> Trace<'a> {
         Ok(whole)
     }
 
-    /// What each context says of the permutation as a whole: whether anything is left out, so that all that is unused
+    /// Part of each context that is about the whole permutation: whether anything is left out, so that all that is unused
     /// is, and how fetches are counted.
     fn flags(&self) -> u64 {
         let table = self.library().table();

@@ -7,7 +7,7 @@ use crate::{
     project::{Modules, project},
 };
 
-/// What a key's permutation is made of, and why.
+/// Parts of a key's permutation, and why each is there.
 #[derive(Clone, Debug)]
 pub struct Explanation {
     /// The key that names the permutation.

@@ -143,7 +143,7 @@ impl Library {
         Ok(library)
     }
 
-    /// What is worth telling of the axes, though it does no harm: values that set a feature which no module asks for.
+    /// Warnings about the axes: values that set a feature which no module asks for.
     pub fn warnings(&self) -> Vec<Fault> {
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let words = self

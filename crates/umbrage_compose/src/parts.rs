@@ -52,7 +52,7 @@ struct Value {
     name: Arc<str>,
     gives: Bits,
     needs: Bits,
-    /// What it asks of the linker.
+    /// Its demands on the linker.
     numbers: EffectNumbers,
 }
 
@@ -439,7 +439,7 @@ impl Table {
         (axis.map_or("", |axis| &axis.name), &self.values[value].name)
     }
 
-    /// What the values `chosen` ask of the linker; the root is 0 where none of them names one.
+    /// Demands of the values `chosen` on the linker; the root is 0 where none of them names one.
     pub(crate) fn request(&self, chosen: &[usize]) -> Request {
         let mut request = Request::default();
         for value in chosen {

@@ -92,7 +92,7 @@ impl<'a> Variant<'a> {
         Some(fault.key(&self.key()).into())
     }
 
-    /// What its keys ask of the linker.
+    /// Demands of its keys on the linker.
     pub(crate) fn request(&self) -> Request {
         self.table().request(&self.chosen)
     }

@@ -22,7 +22,7 @@ use crate::{
 #[derive(Debug)]
 pub(crate) struct Unit {
     pub(crate) module: Module,
-    /// What each function is, by its index: the module, one's own or another, and the number of its name there.
+    /// Each function by its index: its module, this one or another, and the number of its name there.
     pub(crate) called: Vec<ItemNumber>,
     /// The module's own functions, by the numbers of their names.
     pub(crate) by_number: FxHashMap<u32, Handle<Function>>,
