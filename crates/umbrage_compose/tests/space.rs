@@ -16,6 +16,15 @@ use umbrage_compose::{
 
 mod generated;
 
+/// The library of a package with `files`.
+fn library(files: &[(&str, &str)]) -> Library {
+    let files = files
+        .iter()
+        .map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
+    let package = Package::from_sources("demo", "demo", files).expect("a package");
+    Library::new([package]).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// Distinct permutations, found by listing keys: each with its keys.
 fn listed(composer: &Composer, keys: &[Key]) -> BTreeMap<Key, Vec<Key>> {
     let mut permutations: BTreeMap<_, Vec<_>> = BTreeMap::new();
@@ -207,9 +216,7 @@ fn keys_cost_nothing() {
     let main =
         "@if(F7) const A = 1.0;\n@fragment fn fs() -> @location(0) vec4f { return vec4f(1.0); }";
     let files = [("axes.ron", axes.as_str()), ("main.wesl", main)];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
-    let package = Package::from_sources("demo", "demo", files).expect("a package");
-    let library = Library::new([package]).expect("a library");
+    let library = library(&files);
     assert_eq!(library.legal_keys(), 1 << 40);
     let composer = Composer::new(library, Target::webgpu());
     let found: Vec<_> = composer
@@ -231,9 +238,7 @@ fn keys_without_a_root_are_told() {
     let axes = r#"(axes: { "pass": (default: "idle", values: { "idle": (), "main": (root: "package::main") }) })"#;
     let main = "@fragment fn fs() -> @location(0) vec4f { return vec4f(1.0); }";
     let files = [("axes.ron", axes), ("main.wesl", main)];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
-    let package = Package::from_sources("demo", "demo", files).expect("a package");
-    let library = Library::new([package]).expect("a library");
+    let library = library(&files);
     let composer = Composer::new(library, Target::webgpu());
     let found: Vec<_> = composer
         .variants()
@@ -329,9 +334,7 @@ fn in_company(
         ("interface/i.wesl", ask),
         ("interface/j.wesl", ask),
     ];
-    let files = files.map(|(path, text)| (path.to_owned(), text.to_owned()));
-    let package = Package::from_sources("demo", "demo", files).expect("a package");
-    let library = Library::new([package]).unwrap_or_else(|error| panic!("{error}"));
+    let library = library(&files);
     let faults = compare(&library);
     assert!(
         faults.len() == fault.0 && faults.iter().all(|text| text.contains(fault.1)),
