@@ -89,15 +89,15 @@ impl Oracle<'_> {
         }
     }
 
-    /// How many texture fetches the pixel's shafts take.
+    /// The least and the most texture fetches that the pixel's shafts take.
     ///
     /// # Errors
     /// What the pixel sees where it is unsure, or an edge where it is unsure whether a light reaches a step.
-    pub fn air_fetches(&self, x: u32, y: u32, size: u32, steps: u32) -> Result<f32, Pixel> {
+    pub fn air_fetches(&self, x: u32, y: u32, size: u32, steps: u32) -> Result<[u32; 2], Pixel> {
         let ray = self.air_ray(x, y, size)?;
         let cookie = u32::from(self.stage.scene.lights[0].cookie.is_some());
         // The depth of what is seen.
-        let mut fetches = 1;
+        let mut fetches = [1; 2];
         for step in self.steps(&ray, (x, y), steps) {
             if step.weight == 0.0 || !self.reached(step.position, 1.0 + BORDER) {
                 continue;
@@ -111,9 +111,10 @@ impl Oracle<'_> {
             if least != most || !sure || !self.reached(step.position, 1.0 - BORDER) {
                 return Err(Pixel::Edge);
             }
-            fetches += least + cookie;
+            let shadow = self.range_of(least);
+            fetches = [0, 1].map(|end| fetches[end] + shadow[end] + cookie);
         }
-        Ok(fetches as f32)
+        Ok(fetches)
     }
 
     fn extinction(&self) -> f64 {

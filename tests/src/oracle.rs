@@ -254,11 +254,15 @@ impl<'a> Oracle<'a> {
     /// # Errors
     /// What the pixel sees where that is no surface for sure.
     pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<[u32; 2], Pixel> {
-        let most = self.most_fetches(x, y, width, height)?;
-        if self.bounded {
-            return Ok([most.min(1), most.min(1) * self.plan.fetches_per_pixel]);
+        Ok(self.range_of(self.most_fetches(x, y, width, height)?))
+    }
+
+    /// The least and the most fetches of a point's term that takes so many where no bounds save any.
+    pub(crate) fn range_of(&self, fetches: u32) -> [u32; 2] {
+        match self.bounded {
+            true => [fetches.min(1), fetches.min(1) * self.plan.fetches_per_pixel],
+            false => [fetches; 2],
         }
-        Ok([most; 2])
     }
 
     fn most_fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<u32, Pixel> {

@@ -207,6 +207,7 @@ fn light(
             color: Vec3::splat(match library.axes().value(key, "pass") {
                 Some("haze") => 0.0,
                 Some("shafts" | "shaft_fetches") => 800.0,
+                _ if library.axes().value(key, "medium") == Some("on") => 12.0,
                 _ => 8.0,
             }),
         },

@@ -9,7 +9,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use rayon::prelude::*;
 use umbrage::{
-    compose::{Composer, Key, Library, Target},
+    compose::{Composer, Key, Library, Purpose, Target},
     render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
 };
 use umbrage_tests::{Oracle, Pixel, Stage, colored_package, drawn, registry, stage};
@@ -20,15 +20,15 @@ const STEPS: u32 = 16;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
-/// The axes of shadow methods, which an unshadowed picture has none of.
-const SHADOW_AXES: [&str; 9] = [
+/// The axes of shadow methods, which an unshadowed picture has none of; but for the bias, whatever is chosen of which
+/// the air is asked without a plane.
+const SHADOW_AXES: [&str; 8] = [
     "block",
     "depth",
     "filter",
     "lookup",
     "method",
     "pcf",
-    "receiver_bias",
     "taper",
     "transition",
 ];
@@ -103,6 +103,8 @@ impl Studio {
         {
             return Some(format!("{key} was not drawn"));
         }
+        let between =
+            |[least, most]: [u32; 2], count: f32| (least as f32..=most as f32).contains(&count);
         let wrong = match (&rendered.picture, value("pass")) {
             // What it finds is held to a picture's own depths where it is read: `seen.rs` of the renderer.
             (_, "depth_range") => None,
@@ -117,17 +119,19 @@ impl Studio {
             }
             (Picture::Fetches(counts), "shaft_fetches") => {
                 // Nowhere is nothing fetched.
-                let same = |expected: f32, found| expected == found;
-                compare_all(&drawn, &counts[0], -1.0, same, |oracle, x, y| {
-                    let sure = oracle.air_fetches(x, y, SIZE, STEPS);
-                    sure.map_err(|_| Pixel::Edge)
-                })
+                compare_all(
+                    &drawn,
+                    &counts[0],
+                    [u32::MAX; 2],
+                    between,
+                    |oracle, x, y| {
+                        let sure = oracle.air_fetches(x, y, SIZE, STEPS);
+                        sure.map_err(|_| Pixel::Edge)
+                    },
+                )
             }
             (Picture::Fetches(counts), _) => {
                 let promised = rendered.report.fetches_per_pixel;
-                let between = |[least, most]: [u32; 2], count: f32| {
-                    (least as f32..=most as f32).contains(&count)
-                };
                 compare_all(&drawn, &counts[0], [0; 2], between, |oracle, x, y| {
                     oracle.fetches(x, y, SIZE, SIZE)
                 })
@@ -141,7 +145,9 @@ impl Studio {
                 })
             }
             (Picture::Decisions(decisions), _) => {
-                misjudged(&self.expected(key, &drawn), &decisions[0])
+                let decides = self.composer.compose(key).expect("it was drawn");
+                let decides = Decision::spares_filter(&decides.permutation);
+                misjudged(&self.expected(key, &drawn), &decisions[0], decides)
             }
             (Picture::Shaded(colors), "haze") => {
                 compare(&self.expected(key, &drawn), ROUNDING, |pixel| {
@@ -178,7 +184,14 @@ impl Studio {
             "caster_faces" => Some("basic"),
             // They have what they work from for the sake of splits.
             "depth_range" | "region" => Some("pssm"),
-            _ => None,
+            _ => match library.axes().pass(key).map(|pass| pass.purpose) {
+                // Only splits can have filters of several widths.
+                Some(Purpose::Maps) if library.axes().value(key, "taper") == Some("on") => {
+                    Some("pssm")
+                }
+                Some(Purpose::Maps) => Some("basic"),
+                _ => None,
+            },
         };
         let key = match caster_of {
             Some(method) => {
@@ -349,8 +362,9 @@ fn compare_all<E: Copy + std::fmt::Debug + PartialEq, T: Copy + std::fmt::Debug>
     })
 }
 
-/// How decisions differ from what is expected: what is decided at once is all light, or none.
-fn misjudged(expected: &[Pixel], decisions: &[Decision]) -> Option<String> {
+/// How decisions differ from what is expected: what is decided at once is all light, or none; some pixels are, where
+/// the shader `decides`.
+fn misjudged(expected: &[Pixel], decisions: &[Decision], decides: bool) -> Option<String> {
     let (mut decided, mut wrong) = (0, 0);
     for (expected, decision) in expected.iter().zip(decisions) {
         let lit = match decision {
@@ -365,7 +379,8 @@ fn misjudged(expected: &[Pixel], decisions: &[Decision]) -> Option<String> {
             Pixel::Background | Pixel::Edge => false,
         });
     }
-    (decided == 0 || wrong > 0).then(|| format!("{wrong} of {decided} decisions are wrong"))
+    ((decided > 0) != decides || wrong > 0)
+        .then(|| format!("{wrong} of {decided} decisions are wrong"))
 }
 
 /// Whether some count is more than its method promised.

@@ -5,7 +5,7 @@ use std::{path::Path, process::ExitCode, sync::Arc};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
-    compose::{Composer, Source, Target},
+    compose::{Composer, Purpose, Source, Target},
     methods::registry,
     render::{
         self, Gpu, LeftOut, PermutationUse, RenderOptions, Rendered, Renderer, Scene, Shadow,
@@ -169,10 +169,7 @@ fn report<'a>(
         },
         object: &used.object,
         light: used.light.as_deref(),
-        shadow: matches!(
-            used.key.get("pass"),
-            Some("caster" | "caster_depth" | "mask" | "region")
-        ),
+        shadow: matches!(used.purpose, Purpose::Maps | Purpose::Shadow),
     };
     Report {
         picture: &args.out,

@@ -4,7 +4,9 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Deserialize;
 
-use crate::{Cause, Error, Fault, Key, bits::Bits, error::nearest, file::SourceText, ron_text};
+use crate::{
+    Cause, Error, Fault, Key, Pass, bits::Bits, error::nearest, file::SourceText, ron_text,
+};
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
@@ -35,12 +37,18 @@ impl Axis {
     pub fn values(&self) -> impl Iterator<Item = &str> {
         self.values.keys().map(|value| &**value)
     }
+
+    /// How the pass that `value` chooses is run; none where it does not tell.
+    pub fn pass(&self, value: &str) -> Option<Pass> {
+        self.values.get(value)?.pass
+    }
 }
 
 /// What a value asks of the linker. Modules are named by their package and path.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effect {
     pub(crate) root: Option<String>,
+    pub(crate) pass: Option<Pass>,
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
     pub(crate) count_fetches: Option<CountFetches>,
@@ -109,6 +117,11 @@ impl Axes {
     pub fn value<'a>(&'a self, key: &'a Key, axis: &str) -> Option<&'a str> {
         key.get(axis)
             .or_else(|| self.axes.get(axis)?.default.as_deref())
+    }
+
+    /// How the pass that `key` chooses is run; none where its value does not tell.
+    pub fn pass(&self, key: &Key) -> Option<Pass> {
+        self.effects(key).find_map(|(_, effect)| effect.pass)
     }
 
     /// Every flag that some value sets.
@@ -294,12 +307,20 @@ impl Axes {
             axis.doc = doc;
         }
         for (value, effect) in file.values {
+            if effect.pass.is_some() && effect.root.is_none() {
+                let message = format!("`{value}` of `{name}` tells of a pass, and has no root");
+                return Err(Fault::new(Cause::Manifest, message)
+                    .at(ron_text::literal(source, &[&name, &value]))
+                    .note("let the value that names the entry points' module, its `root`, tell how they are run")
+                    .into());
+            }
             let own = |module: String| match module.strip_prefix("package::") {
                 Some(path) => format!("{package}::{path}"),
                 None => module,
             };
             let effect = Effect {
                 root: effect.root.map(own),
+                pass: effect.pass,
                 bind: effect
                     .bind
                     .into_iter()
@@ -401,6 +422,8 @@ struct AxisFile {
 struct EffectFile {
     #[serde(default)]
     root: Option<String>,
+    #[serde(default)]
+    pass: Option<Pass>,
     #[serde(default, deserialize_with = "ron_text::unique")]
     bind: BTreeMap<String, String>,
     #[serde(default)]

@@ -8,7 +8,7 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Limit, Permutation, Reflection, Target,
+    Error, Key, Library, Limit, Pass, Permutation, Reflection, Target,
     diagnostics::Written,
     permutation::validate,
     project::Dependencies,
@@ -90,8 +90,14 @@ impl DiskCache {
         hasher.finalize().to_hex().to_string()
     }
 
-    pub(crate) fn look(&self, name: &str, key: &Key, target: &Target) -> Look<Permutation> {
-        self.0.look(name, |payload| decode(payload, key, target))
+    pub(crate) fn look(
+        &self,
+        name: &str,
+        (key, pass): (&Key, Option<Pass>),
+        target: &Target,
+    ) -> Look<Permutation> {
+        let decode = |payload: &[u8]| decode(payload, (key, pass), target);
+        self.0.look(name, decode)
     }
 
     /// Keeps `permutation`; a warning where that fails.
@@ -110,7 +116,11 @@ impl DiskCache {
     }
 }
 
-fn decode(payload: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'static str> {
+fn decode(
+    payload: &[u8],
+    (key, pass): (&Key, Option<Pass>),
+    target: &Target,
+) -> Result<Permutation, &'static str> {
     let entry: EntryIn = postcard::from_bytes(payload).map_err(|_| "it cannot be decoded")?;
     if entry.key != *key {
         return Err("it is of another key");
@@ -118,6 +128,7 @@ fn decode(payload: &[u8], key: &Key, target: &Target) -> Result<Permutation, &'s
     let info = validate(&entry.module, target).map_err(|_| "its module is not valid")?;
     Ok(Permutation {
         key: entry.key,
+        pass,
         module: entry.module,
         info,
         reflection: entry.reflection,

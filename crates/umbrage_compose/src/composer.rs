@@ -258,7 +258,8 @@ impl Composer {
             )
         });
         if let Some((disk, name)) = &name {
-            match disk.look(name, &projected, &self.target) {
+            let pass = self.library.axes().pass(&projected);
+            match disk.look(name, (&projected, pass), &self.target) {
                 Look::Found(permutation) => {
                     let permutation = Arc::new(permutation);
                     self.remember(&projected, &permutation);

@@ -116,6 +116,7 @@ mod names;
 mod overrides;
 mod package;
 mod parts;
+mod pass;
 mod permutation;
 mod prepare;
 mod project;
@@ -148,6 +149,7 @@ pub use link_file::link_file;
 pub use manifest::Manifest;
 pub use overrides::{InSpirv, Override, OverrideType};
 pub use package::Package;
+pub use pass::{Blend, Depth, Over, Pass, Purpose};
 pub use permutation::Permutation;
 pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,

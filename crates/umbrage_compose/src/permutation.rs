@@ -9,7 +9,7 @@ use naga::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Reflection, Target,
+    Cause, Error, Fault, Key, Library, Pass, Reflection, Target,
     diagnostics::{Places, Written},
     lacking,
     link::Origins,
@@ -25,6 +25,8 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: Key,
+    /// How it is run, where its axes tell.
+    pub pass: Option<Pass>,
     /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
     /// code that its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
@@ -76,6 +78,7 @@ impl Permutation {
         }
         Ok(Self {
             warnings: told.iter().map(ToString::to_string).collect(),
+            pass: library.axes().pass(&key),
             key,
             module,
             info,

@@ -1,6 +1,6 @@
 //! How a pass draws, apart from its shader, so far as that changes what the shader is compiled to.
 
-use umbrage_compose::{Permutation, Stage};
+use umbrage_compose::{Blend, Depth, Permutation, Stage};
 use wgpu_types::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, Face, FrontFace,
     TextureFormat,
@@ -57,34 +57,40 @@ impl PipelineState {
         }
     }
 
-    /// As Umbrage's renderer draws the pass that `permutation` is of, by its axis `pass`: plainly, but for
-    /// the illumination, which adds light to what is there and leaves the depth.
+    /// As the pass that `permutation` is of is run, so far as its axes tell: plainly where they do not.
     pub fn of(permutation: &Permutation) -> Self {
         let mut state = Self::plain(permutation);
-        if permutation.key.get("pass") == Some("illumination") {
-            for color in state.colors.iter_mut().flatten() {
-                color.blend = Some(ADD);
-            }
-            if let Some(depth) = &mut state.depth {
-                depth.write = false;
-            }
+        let Some(pass) = permutation.pass else {
+            return state;
+        };
+        let blend = match pass.blend {
+            Blend::Replace => None,
+            Blend::Add => Some(blend(BlendFactor::One, BlendFactor::One)),
+            Blend::Multiply => Some(blend(BlendFactor::Dst, BlendFactor::Zero)),
+        };
+        for color in state.colors.iter_mut().flatten() {
+            color.blend = blend;
+        }
+        state.depth = state.depth.filter(|_| pass.depth != Depth::Ignored);
+        if let Some(depth) = &mut state.depth {
+            depth.write = pass.depth == Depth::Written;
         }
         state
     }
 }
 
-/// Adds what is drawn to what is there.
-const ADD: BlendState = {
-    let add = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
+/// The sum of what is drawn and what is there, times their factors.
+const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
+    let sum = BlendComponent {
+        src_factor,
+        dst_factor,
         operation: BlendOperation::Add,
     };
     BlendState {
-        color: add,
-        alpha: add,
+        color: sum,
+        alpha: sum,
     }
-};
+}
 
 /// A target for each of the fragment stage's outputs.
 fn outputs(permutation: &Permutation) -> Vec<Option<ColorTarget>> {

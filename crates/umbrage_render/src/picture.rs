@@ -2,7 +2,7 @@
 
 use std::{io::Cursor, path::Path};
 
-use umbrage_compose::{Key, Permutation, Source};
+use umbrage_compose::{Key, Permutation, Purpose, Source};
 use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
@@ -160,8 +160,8 @@ pub struct PassTime {
     pub pass: String,
     /// The light for which it drew, where it did so for one.
     pub light: Option<String>,
-    /// Whether it is a pass of the light's plan: it makes what the shadow term is read from.
-    pub planned: bool,
+    /// What it is for.
+    pub purpose: Purpose,
     /// Between the pass's beginning and its end, or between the end of a compute pass and that of the compute pass that
     /// follows it; milliseconds of the device's clock.
     pub milliseconds: f64,
@@ -172,6 +172,8 @@ pub struct PassTime {
 pub struct PermutationUse {
     /// Its projected key.
     pub key: Key,
+    /// What its pass is for.
+    pub purpose: Purpose,
     /// Whether it was linked for this picture, or came from a cache.
     pub source: Source,
     /// The object that first needed it.

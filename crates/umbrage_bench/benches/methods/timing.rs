@@ -2,6 +2,7 @@
 
 use std::{error::Error, path::Path as FilePath};
 
+use umbrage_compose::Purpose;
 use umbrage_measure::report::Spread;
 use umbrage_render::{Path, RenderOptions, Rendered, Renderer, Scene, What};
 
@@ -117,7 +118,7 @@ pub(crate) fn split(rendered: &Rendered, filtering: &str) -> Times {
     for pass in &report.times {
         if pass.pass == filtering {
             times.filtered += pass.milliseconds;
-        } else if pass.planned && pass.pass != "casters" {
+        } else if pass.purpose == Purpose::Maps && pass.pass != "casters" {
             times.built += pass.milliseconds;
         }
     }

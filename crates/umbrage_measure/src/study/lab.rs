@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Vec3;
-use umbrage_compose::{Composer, Key, Library, Permutation};
+use umbrage_compose::{Composer, Key, Library, Over, Pass, Permutation, Purpose};
 use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
 use umbrage_shadow::{LightKind, Registry, Support};
 
@@ -228,13 +228,17 @@ impl Lab {
         Ok(pixels(&self.render(scene, &options)?.picture).to_vec())
     }
 
-    /// The permutations that draw the lights of a picture.
+    /// The permutations that light the surfaces of a picture.
     pub(super) fn illumination(
         &self,
         rendered: &Rendered,
     ) -> Result<Vec<Arc<Permutation>>, StudyError> {
+        let lights = |pass: Pass| match pass.purpose {
+            Purpose::Light => pass.over == Over::Objects,
+            purpose => purpose == Purpose::Shadow,
+        };
         let used = rendered.report.permutations.iter();
-        let lit = used.filter(|used| matches!(used.key.get("pass"), Some("illumination" | "mask")));
+        let lit = used.filter(|used| self.library().axes().pass(&used.key).is_some_and(lights));
         lit.map(|used| Ok(self.compose(&used.key)?)).collect()
     }
 

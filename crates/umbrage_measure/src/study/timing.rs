@@ -1,6 +1,7 @@
 //! How long pictures take: configurations side by side, round after round, so that what else the machine
 //! does falls on all of them alike.
 
+use umbrage_compose::Purpose;
 use umbrage_render::{PassTime, RenderError, Rendered};
 
 use super::{Config, Lab, Progress, lab::Subject};
@@ -72,20 +73,10 @@ impl Times {
             let passes = report.times.iter().filter(|time| wanted(time));
             passes.map(|time| time.milliseconds).sum::<f64>()
         };
-        self.casters.push(sum(&|pass| pass.planned));
-        // The base pass is no light's; what only masks and methods look at is theirs.
-        let shades = |pass: &PassTime| {
-            // A mask filled by regions has a pass for each: `mask 0`.
-            let kind = pass.pass.split(' ').next().unwrap_or_default();
-            let own = [
-                "depth_range",
-                "illumination",
-                "linear_depth",
-                "mask",
-                "region",
-            ];
-            !pass.planned && own.contains(&kind)
-        };
+        self.casters
+            .push(sum(&|pass| pass.purpose == Purpose::Maps));
+        // What a picture shows whatever lights there are is no light's.
+        let shades = |pass: &PassTime| matches!(pass.purpose, Purpose::Shadow | Purpose::Light);
         self.shading.push(sum(&shades));
     }
 

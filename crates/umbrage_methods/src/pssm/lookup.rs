@@ -304,11 +304,18 @@ fn rows(base: &DMat4, split: &Split) -> [DVec4; MATRIX_ROWS as usize] {
     [row(0), row(1), row(2), base.row(3), rest]
 }
 
+/// Rows that place everything beside the map, so that nothing is fetched from the map of a split that there is not.
+const BESIDE: [DVec4; MATRIX_ROWS as usize] = {
+    let mut rows = [DVec4::ZERO; MATRIX_ROWS as usize];
+    rows[0] = DVec4::NEG_W;
+    rows
+};
+
 /// A `SplitMap` for each of `count` splits.
 fn split_maps(splits: &Splits, count: usize) -> Vec<Value> {
     let split_map = |i: usize| {
         let split = splits.splits.get(i);
-        let [x, y, z, w, rest] = split.map_or([DVec4::ZERO; 5], |split| rows(&splits.base, split));
+        let [x, y, z, w, rest] = split.map_or(BESIDE, |split| rows(&splits.base, split));
         let matrix = DMat4::from_cols(x, y, z, w).transpose();
         let members = Constants::new().with("world_to_map", Value::Mat4(matrix.as_mat4()));
         Value::Struct(members.with("slope_and_bias", Value::Vec4(rest.as_vec4())))

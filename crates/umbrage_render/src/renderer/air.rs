@@ -7,9 +7,10 @@ use super::{
     RenderOptions, Renderer, Shot,
     assets::Vertices,
     camera::Lamp,
-    draw::{FrameState, PassInputs, record},
+    draw::{FrameState, LightInputs, PassInputs, Term, record},
     lights::LightSetup,
-    pipelines::{ADD, ColorState, DrawState, MULTIPLY},
+    passes::NamedPass,
+    pipelines::{ColorState, DrawState},
     resources::unfiltered,
     target::Target,
 };
@@ -93,10 +94,10 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let extinction = shot.scene.medium.map_or(0.0, |air| air.extinction());
         if extinction > 0.0 {
-            self.draw_air(frame, shot, target, ("haze", Some(MULTIPLY)), None)?;
+            self.draw_air(frame, shot, target, self.pass("haze")?, None)?;
         }
         for lamp in lamps {
-            self.draw_air(frame, shot, target, ("shafts", Some(ADD)), Some(lamp))?;
+            self.draw_air(frame, shot, target, self.pass("shafts")?, Some(lamp))?;
         }
         Ok(())
     }
@@ -109,7 +110,7 @@ impl Renderer {
         target: &Target,
         lamp: &Lamp<'_>,
     ) -> Result<(), RenderError> {
-        let pass = ("shaft_fetches", None);
+        let pass = self.pass("shaft_fetches")?;
         self.draw_air(frame, shot, target, pass, Some(lamp))
     }
 
@@ -119,10 +120,13 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
         target: &Target,
-        (pass, blend): (&str, Option<wgpu::BlendState>),
+        pass: NamedPass<'_>,
         lamp: Option<&Lamp<'_>>,
     ) -> Result<(), RenderError> {
-        let light = lamp.map(Lamp::reads);
+        let light = lamp.map(|lamp| LightInputs {
+            term: Term::Air,
+            ..lamp.reads()
+        });
         let shadow = light.and_then(|light| light.shadow);
         let inputs = PassInputs {
             pass,
@@ -134,7 +138,7 @@ impl Renderer {
             state: DrawState {
                 color: Some(ColorState {
                     format: target.format(),
-                    blend,
+                    blend: pass.blend,
                     channels: wgpu::ColorWrites::ALL,
                 }),
                 unfiltered: unfiltered(shadow),
@@ -143,7 +147,9 @@ impl Renderer {
         };
         frame.seen_depth = Some(target.depth.clone());
         let command = self.prepare_screen(frame, &inputs, AIR)?;
-        let mark = frame.timer.mark(&self.gpu, pass, inputs.cause);
+        let mark = frame
+            .timer
+            .mark(&self.gpu, (pass.name, pass.purpose), inputs.cause, false);
         let mut recorded = target.over(&mut frame.encoder, mark.as_ref());
         record(&mut recorded, &[command]);
         drop(recorded);

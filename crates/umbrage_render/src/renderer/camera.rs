@@ -11,12 +11,13 @@ use super::{
     assets::Vertices,
     draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
-    pipelines::{ADD, ColorState, DrawState},
+    passes::NamedPass,
+    pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     seen::PLANE,
     target::{DEPTH, Target},
 };
-use crate::{Decision, Picture, RenderError};
+use crate::{Decision, Picture, RenderError, What};
 
 /// A light as it is in a picture, with its shadow maps.
 pub(super) struct Lamp<'a> {
@@ -52,12 +53,14 @@ impl Renderer {
             b: background.z,
             a: 1.0,
         };
+        let base = self.pass("base")?;
         let base = PassInputs {
             ambient: shot.scene.ambient,
-            ..inputs(shot, "base", None, camera_state(format, false, None))
+            ..inputs(shot, base, None, camera_state(format, base, None))
         };
         let commands = self.prepare(frame, &base, &shot.visible)?;
         self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
+        let illumination = self.pass("illumination")?;
         let (mut masks, mut airy) = (None, Vec::new());
         for light in &shot.lights {
             let (lit, air) = (lit(frame, shot, light), air::lit(shot, light));
@@ -69,8 +72,8 @@ impl Renderer {
             if !lit.is_empty() {
                 let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
                 let reads = masked(lamp.reads(), mask.as_ref());
-                let state = camera_state(format, true, reads.shadow);
-                let inputs = inputs(shot, "illumination", Some(reads), state);
+                let state = camera_state(format, illumination, reads.shadow);
+                let inputs = inputs(shot, illumination, Some(reads), state);
                 let commands = self.prepare(frame, &inputs, &lit)?;
                 self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
             }
@@ -121,6 +124,7 @@ impl Renderer {
         pass: &str,
         clear: wgpu::Color,
     ) -> Result<Vec<Vec<f32>>, RenderError> {
+        let pass = self.pass(pass)?;
         let format = wgpu::TextureFormat::R32Float;
         let target = self.target(frame, format)?;
         let mut pictures = Vec::new();
@@ -131,13 +135,13 @@ impl Renderer {
             let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             let reads = lamp.reads();
             // What is counted is what a method fetches, and no mask is one.
-            let mask = if pass == "shadow_term" {
+            let mask = if frame.options.what == What::ShadowTerm {
                 self.mask(frame, shot, (&target, true), &mut masks, (reads, &lit))?
             } else {
                 None
             };
             let reads = masked(reads, mask.as_ref());
-            let state = camera_state(format, false, reads.shadow);
+            let state = camera_state(format, pass, reads.shadow);
             let mut commands =
                 self.prepare(frame, &inputs(shot, pass, Some(reads), state), &lit)?;
             // What the light does not reach hides what lies behind it, is shaded by nothing, and is drawn
@@ -148,7 +152,7 @@ impl Renderer {
                 .copied()
                 .filter(|s| lit.binary_search(s).is_err())
                 .collect();
-            let state = camera_state(format, false, None);
+            let state = camera_state(format, pass, None);
             commands.extend(self.prepare(frame, &inputs(shot, pass, None, state), &unlit)?);
             let name = Some(light.source.name.as_str());
             self.draw(frame, &target, (pass, name), Some(clear), &commands);
@@ -166,8 +170,8 @@ impl Renderer {
         let format = wgpu::TextureFormat::R32Float;
         let target = self.target(frame, format)?;
         // What is seen, in no light: its depth is all that is read.
-        let state = camera_state(format, false, None);
-        let seen = inputs(shot, "shadow_term", None, state);
+        let pass = self.pass("shadow_term")?;
+        let seen = inputs(shot, pass, None, camera_state(format, pass, None));
         let commands = self.prepare(frame, &seen, &shot.visible)?;
         self.draw(
             frame,
@@ -198,8 +202,8 @@ impl Renderer {
     ) -> Result<Picture, RenderError> {
         let shaded = self.shaded(frame, shot)?;
         let target = self.target(frame, PLANE)?;
-        let state = camera_state(PLANE, false, None);
-        let inputs = inputs(shot, "linear_depth", None, state);
+        let pass = self.pass("linear_depth")?;
+        let inputs = inputs(shot, pass, None, camera_state(PLANE, pass, None));
         let commands = self.prepare(frame, &inputs, &shot.visible)?;
         let nothing = Some(wgpu::Color::TRANSPARENT);
         self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
@@ -229,9 +233,10 @@ impl Renderer {
         const NOTHING: u32 = u32::MAX;
         let format = wgpu::TextureFormat::Rg32Uint;
         let target = self.target(frame, format)?;
+        let pass = self.pass("triangle")?;
         let inputs = PassInputs {
             vertices: Vertices::Own,
-            ..inputs(shot, "triangle", None, camera_state(format, false, None))
+            ..inputs(shot, pass, None, camera_state(format, pass, None))
         };
         let clear = wgpu::Color {
             r: NOTHING.into(),
@@ -293,11 +298,13 @@ impl Renderer {
         &self,
         frame: &mut FrameState<'_>,
         target: &Target,
-        (pass, light): (&str, Option<&str>),
+        (pass, light): (NamedPass<'_>, Option<&str>),
         clear: Option<wgpu::Color>,
         commands: &[Command],
     ) {
-        let mark = frame.timer.mark(&self.gpu, pass, light);
+        let mark = frame
+            .timer
+            .mark(&self.gpu, (pass.name, pass.purpose), light, false);
         record(
             &mut target.begin(&mut frame.encoder, clear, mark.as_ref()),
             commands,
@@ -343,7 +350,7 @@ impl Renderer {
 /// What the camera's pass draws with: for the light that it `reads`, if it does.
 fn inputs<'a>(
     shot: &Shot<'_>,
-    pass: &'a str,
+    pass: NamedPass<'a>,
     reads: Option<LightInputs<'a>>,
     state: DrawState,
 ) -> PassInputs<'a> {
@@ -383,18 +390,18 @@ fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<u
 /// pass that adds light meets the depth that the base pass left, computed alike.
 fn camera_state(
     format: wgpu::TextureFormat,
-    additive: bool,
+    pass: NamedPass<'_>,
     shadow: Option<&ShadowResources>,
 ) -> DrawState {
     DrawState {
         color: Some(ColorState {
             format,
-            blend: additive.then_some(ADD),
+            blend: pass.blend,
             channels: wgpu::ColorWrites::ALL,
         }),
         depth: Some(DEPTH),
         compare: wgpu::CompareFunction::GreaterEqual,
-        write_depth: !additive,
+        write_depth: pass.writes_depth,
         cull: None,
         front: wgpu::FrontFace::Ccw,
         unfiltered: if shadow.is_some() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Mat4, Vec3};
-use umbrage_compose::{BindingKind, Permutation};
+use umbrage_compose::{BindingKind, Permutation, Purpose};
 use umbrage_shadow::{ComputePass, Constants, ScreenPass};
 
 use super::{
@@ -11,6 +11,7 @@ use super::{
     assets::Vertices,
     draw::{FrameState, LightInputs, PassInputs, Term, record},
     lights,
+    passes::NamedPass,
     pipelines::{ColorState, Computation, DrawState},
     resources::{ShadowResources, unfiltered},
     shadows::{
@@ -66,7 +67,9 @@ impl Renderer {
         };
         let colors = [(!deep).then(|| attachment(&view, clear)).flatten()];
         let name = Some(job.light.source.name.as_str());
-        let mark = frame.timer.mark_map(&self.gpu, &pass.shader, name);
+        let mark = frame
+            .timer
+            .mark(&self.gpu, (&pass.shader, Purpose::Maps), name, false);
         let mut recorded = frame
             .encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -98,9 +101,8 @@ impl Renderer {
         let inputs = inputs(job, &pass.shader, &light, &given, DrawState::NOTHING);
         let permutation = self.compose(frame, &inputs, job.cause, None)?;
         check_stores(job, pass, &permutation)?;
-        let mark = frame
-            .timer
-            .mark_computed(&self.gpu, inputs.pass, inputs.cause);
+        let what = (inputs.pass.name, Purpose::Maps);
+        let mark = frame.timer.mark(&self.gpu, what, inputs.cause, true);
         self.compute(frame, &inputs, permutation, pass.workgroups, mark)?;
         frame.report.derived_passes += 1;
         Ok(())
@@ -128,7 +130,7 @@ impl Renderer {
         let mut recorded = frame
             .encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(inputs.pass),
+                label: Some(inputs.pass.name),
                 timestamp_writes: mark.as_ref().map(Mark::compute_writes),
             });
         recorded.set_pipeline(&computation.pipeline);
@@ -195,7 +197,7 @@ fn inputs<'a>(
 ) -> PassInputs<'a> {
     state.unfiltered = unfiltered(Some(given));
     PassInputs {
-        pass: shader,
+        pass: NamedPass::planned(shader),
         cause: Some(&job.light.source.name),
         view_proj: Mat4::IDENTITY,
         ambient: Vec3::ZERO,

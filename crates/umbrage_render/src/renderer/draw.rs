@@ -16,6 +16,7 @@ use super::{
     bind::MATERIAL,
     lights::{self, LightSetup},
     objects::{Objects, Run},
+    passes::NamedPass,
     pipelines::{DrawState, Pipeline, reads_facing},
     resources::{ShadowResources, TextureId},
     timer::Timer,
@@ -56,8 +57,7 @@ pub(super) struct FrameState<'a> {
 
 /// What all draws of one pass share.
 pub(super) struct PassInputs<'a> {
-    /// The value of the axis `pass`.
-    pub(super) pass: &'a str,
+    pub(super) pass: NamedPass<'a>,
     /// The light on whose account it is drawn.
     pub(super) cause: Option<&'a str>,
     pub(super) view_proj: Mat4,
@@ -87,6 +87,8 @@ pub(super) enum Term<'a> {
     Region(&'a BTreeMap<String, String>),
     /// A mask.
     Mask,
+    /// The light's method, at points in the air.
+    Air,
 }
 
 /// A draw, ready to be recorded.
@@ -254,6 +256,7 @@ impl Renderer {
         if !frame.report.permutations.iter().any(reported) {
             frame.report.permutations.push(PermutationUse {
                 key: permutation.key.clone(),
+                purpose: inputs.pass.purpose,
                 source: composed.source,
                 object: cause.to_owned(),
                 light: inputs.cause.map(str::to_owned),

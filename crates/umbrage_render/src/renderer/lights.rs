@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec3, Mat4};
-use umbrage_compose::{Key, Library};
+use umbrage_compose::{Key, Library, Purpose};
 use umbrage_shadow::{
     Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
     names::{nearest, suggestion},
 };
 
-use super::{RenderOptions, draw::Term};
+use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
     RenderError,
     scene::{Object, Scene, SceneLight, Shadow, look_along},
@@ -43,8 +43,7 @@ const OWN_AXES: [&str; 6] = [
     "vertex_color",
 ];
 
-/// What shadows in the air are found with, where a method has the axis and whatever is chosen for surfaces: there is no
-/// plane to follow, and the sum over a ray's steps hides what a wide filter or a soft transition would. Four taps.
+/// What shadows in the air are found with, whatever is chosen for surfaces: the shader library allows no other there.
 const AIR_AXES: [(&str, &str); 4] = [
     ("pcf", "3"),
     ("receiver_bias", "constant"),
@@ -211,12 +210,12 @@ fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Resul
 pub(super) fn key(
     library: &Library,
     (options, orthographic): (&RenderOptions, bool),
-    pass: &str,
+    pass: NamedPass<'_>,
     light: Option<(&LightSetup<'_>, Term<'_>)>,
     object: Option<&Object>,
 ) -> Result<Key, RenderError> {
     let switch = |on: bool| if on { "on" } else { "off" };
-    let mut choices = BTreeMap::from([("pass", pass)]);
+    let mut choices = BTreeMap::from([("pass", pass.name)]);
     if let Some(object) = object {
         let material = &object.material;
         let textured = material.base_color_texture.is_some();
@@ -242,7 +241,7 @@ pub(super) fn key(
     }
     if let (Some(light), Some(kind)) = (light, kind) {
         choices.insert("light", kind);
-        if light.in_medium && pass == "illumination" {
+        if light.in_medium && pass.purpose == Purpose::Light {
             choices.insert("medium", "on");
         }
         if kind == "spot" && light.source.cookie.is_some() {
@@ -253,14 +252,12 @@ pub(super) fn key(
         } else if let Some(setup) = &light.method {
             choices.insert("method", setup.method.name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
-            if ["shafts", "shaft_fetches"].contains(&pass) {
-                // A plan's bounds and maps are made for filters as wide as the surfaces', and hold for narrower ones.
-                let serves = |(axis, _): &(&str, _)| {
-                    let own = setup.axes.get(*axis);
-                    own.is_some_and(|own| *axis != "pcf" || own != "1")
-                };
-                choices.extend(AIR_AXES.into_iter().filter(serves));
-            }
+        }
+        if let Some(Term::Air) = term {
+            // A plan's bounds and maps are made for filters as wide as the surfaces', and hold for narrower ones.
+            let narrower = choices.get("pcf") == Some(&"1");
+            let serves = |(axis, _): &(&str, _)| *axis != "pcf" || !narrower;
+            choices.extend(AIR_AXES.into_iter().filter(serves));
         }
         if let Some(Term::Region(axes)) = term {
             choices.extend(axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));

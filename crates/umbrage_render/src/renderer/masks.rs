@@ -9,6 +9,7 @@ use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
     draw::{FrameState, LightInputs, PassInputs, record},
+    passes::NamedPass,
     pipelines::{ColorState, DrawState},
     resources::{ShadowResources, unfiltered},
     seen::{SEEN_PLANES, picture_size},
@@ -129,9 +130,12 @@ impl Renderer {
         masks: &Masks,
         light: Masked<'_>,
     ) -> Result<(), RenderError> {
-        let inputs = light.inputs("mask", state(TERM, wgpu::CompareFunction::NotEqual));
+        let inputs = light.inputs(
+            self.pass("mask")?,
+            state(TERM, wgpu::CompareFunction::NotEqual),
+        );
         let pass = MaskPass {
-            name: inputs.pass,
+            name: inputs.pass.name,
             color: (&masks.mask, Some(wgpu::Color::WHITE)),
             depth: (&target.depth, false),
             level: 0.0,
@@ -152,7 +156,12 @@ impl Renderer {
         if let Some(first) = light.receivers.first() {
             commands.push(self.prepare_screen(frame, inputs, &first.name)?);
         }
-        let mark = frame.timer.mark(&self.gpu, screen.name, inputs.cause);
+        let mark = frame.timer.mark(
+            &self.gpu,
+            (screen.name, inputs.pass.purpose),
+            inputs.cause,
+            false,
+        );
         let mut pass = begin(
             &mut frame.encoder,
             screen.color,
@@ -172,7 +181,7 @@ impl Renderer {
 
 impl<'a> Masked<'a> {
     /// What a pass over the picture draws with.
-    pub(super) fn inputs(&self, pass: &'a str, mut state: DrawState) -> PassInputs<'a> {
+    pub(super) fn inputs(&self, pass: NamedPass<'a>, mut state: DrawState) -> PassInputs<'a> {
         state.unfiltered = unfiltered(self.reads.shadow);
         state.unfiltered.insert(SEEN_PLANES.to_owned());
         PassInputs {

@@ -9,6 +9,7 @@ mod draw;
 mod lights;
 mod masks;
 mod objects;
+mod passes;
 mod pipelines;
 mod regions;
 mod resources;

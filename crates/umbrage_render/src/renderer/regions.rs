@@ -59,7 +59,10 @@ impl Renderer {
                 level: (number + 1) as f32 * STEP,
                 area: light.area(frame, &seen),
             };
-            let inputs = part.inputs("mask", state(TERM, wgpu::CompareFunction::Equal));
+            let inputs = part.inputs(
+                self.pass("mask")?,
+                state(TERM, wgpu::CompareFunction::Equal),
+            );
             self.draw_mask(frame, part, &inputs, &pass)?;
         }
         Ok(())
@@ -94,14 +97,15 @@ impl Renderer {
             blend: None,
             channels: wgpu::ColorWrites::empty(),
         };
+        let region = self.pass("region")?;
         let written = DrawState {
             color: Some(nothing),
-            write_depth: true,
+            write_depth: region.writes_depth,
             ..state(TERM, wgpu::CompareFunction::Always)
         };
-        let inputs = by_regions.inputs("region", written);
+        let inputs = by_regions.inputs(region, written);
         let pass = MaskPass {
-            name: inputs.pass,
+            name: inputs.pass.name,
             color: (&masks.mask, Some(wgpu::Color::WHITE)),
             depth: (&depth, true),
             level: 0.0,

@@ -7,6 +7,7 @@ use super::{
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     masks::state,
+    passes::NamedPass,
     pipelines::DrawState,
     target::{Target, begin, read},
 };
@@ -50,9 +51,14 @@ impl Renderer {
             write_depth: fresh,
             ..state(PLANE, wgpu::CompareFunction::GreaterEqual)
         };
-        let inputs = inputs(shot, "linear_depth", drawn);
+        let inputs = inputs(shot, self.pass("linear_depth")?, drawn);
         let commands = self.prepare(frame, &inputs, &shot.visible)?;
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, None);
+        let mark = frame.timer.mark(
+            &self.gpu,
+            (inputs.pass.name, inputs.pass.purpose),
+            None,
+            false,
+        );
         let nothing = Some(wgpu::Color::TRANSPARENT);
         let mut pass = begin(
             &mut frame.encoder,
@@ -98,9 +104,14 @@ impl Renderer {
             unfiltered: [SEEN_PLANES.to_owned()].into(),
             ..DrawState::NOTHING
         };
-        let inputs = inputs(shot, "depth_range", unfiltered);
+        let inputs = inputs(shot, self.pass("depth_range")?, unfiltered);
         let permutation = self.compose(frame, &inputs, &object.name, None)?;
-        let mark = frame.timer.mark(&self.gpu, inputs.pass, None);
+        let mark = frame.timer.mark(
+            &self.gpu,
+            (inputs.pass.name, inputs.pass.purpose),
+            None,
+            true,
+        );
         let [across, down] = blocks;
         let groups = [across, down, 1];
         self.compute(frame, &inputs, permutation, groups, mark)?;
@@ -129,7 +140,7 @@ pub(super) fn picture_size(frame: &FrameState<'_>) -> wgpu::Extent3d {
 }
 
 /// What a pass for no light draws with.
-fn inputs<'a>(shot: &Shot<'_>, pass: &'a str, state: DrawState) -> PassInputs<'a> {
+fn inputs<'a>(shot: &Shot<'_>, pass: NamedPass<'a>, state: DrawState) -> PassInputs<'a> {
     PassInputs {
         pass,
         cause: None,

@@ -14,6 +14,7 @@ use super::{
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
     lights::{LightSetup, MethodSetup},
+    passes::NamedPass,
     pipelines::{ColorState, DrawState, MAX},
     regions,
     resources::{ShadowResources, Textures},
@@ -141,7 +142,7 @@ impl Renderer {
             None => None,
         };
         let inputs = PassInputs {
-            pass: &pass.shader,
+            pass: NamedPass::planned(&pass.shader),
             cause: Some(&job.light.source.name),
             view_proj: pass.view_proj,
             ambient: Vec3::ZERO,
@@ -169,7 +170,9 @@ impl Renderer {
             depth_attachment(view, load)
         });
         let name = Some(job.light.source.name.as_str());
-        let mark = frame.timer.mark_map(&self.gpu, "casters", name);
+        let mark = frame
+            .timer
+            .mark(&self.gpu, ("casters", inputs.pass.purpose), name, false);
         let mut recorded = frame
             .encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {

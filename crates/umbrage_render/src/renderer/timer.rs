@@ -2,6 +2,8 @@
 
 use std::mem;
 
+use umbrage_compose::Purpose;
+
 use crate::{Gpu, GpuError, PassTime};
 
 /// Queries in a set, two a pass. WebGPU allows 4096; most frames need few.
@@ -28,7 +30,7 @@ pub(super) struct Timer {
 struct Marked {
     pass: String,
     light: Option<String>,
-    planned: bool,
+    purpose: Purpose,
     computes: bool,
 }
 
@@ -65,39 +67,20 @@ impl Timer {
         }
     }
 
-    /// A mark for the next pass, one of the renderer's own; none where no times are taken.
-    pub(super) fn mark(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
-        self.mark_next(gpu, pass, light, [false; 2])
-    }
-
-    /// The same for a pass of a light's plan that draws.
-    pub(super) fn mark_map(&mut self, gpu: &Gpu, pass: &str, light: Option<&str>) -> Option<Mark> {
-        self.mark_next(gpu, pass, light, [true, false])
-    }
-
-    /// The same for one that computes.
-    pub(super) fn mark_computed(
+    /// A mark for the next pass, which draws or `computes`; none where no times are taken.
+    pub(super) fn mark(
         &mut self,
         gpu: &Gpu,
-        pass: &str,
+        (pass, purpose): (&str, Purpose),
         light: Option<&str>,
-    ) -> Option<Mark> {
-        self.mark_next(gpu, pass, light, [true; 2])
-    }
-
-    fn mark_next(
-        &mut self,
-        gpu: &Gpu,
-        pass: &str,
-        light: Option<&str>,
-        [planned, computes]: [bool; 2],
+        computes: bool,
     ) -> Option<Mark> {
         self.period?;
         let query = 2 * self.marked.len() as u32;
         self.marked.push(Marked {
             pass: pass.to_owned(),
             light: light.map(str::to_owned),
-            planned,
+            purpose,
             computes,
         });
         let set = (query / SET) as usize;
@@ -168,7 +151,7 @@ impl Timer {
             .map(|(marked, ticks)| PassTime {
                 pass: marked.pass,
                 light: marked.light,
-                planned: marked.planned,
+                purpose: marked.purpose,
                 milliseconds: ticks as f64 * period * 1e-6,
             })
             .collect())
@@ -231,7 +214,9 @@ mod tests {
         for count in [1, 3 * SET as usize / 2, 0, 2] {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             for pass in 0..count {
-                let mark = timer.mark(&gpu, &pass.to_string(), None).expect("timed");
+                let mark = timer
+                    .mark(&gpu, (&pass.to_string(), Purpose::Maps), None, false)
+                    .expect("timed");
                 encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                         view: &view,

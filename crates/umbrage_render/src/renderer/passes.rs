@@ -1,0 +1,61 @@
+//! Passes as the shader library describes them.
+
+use umbrage_compose::{Blend, Depth, Purpose};
+
+use super::{
+    Renderer,
+    pipelines::{ADD, MULTIPLY},
+};
+use crate::RenderError;
+
+/// A pass that is run.
+#[derive(Clone, Copy)]
+pub(super) struct NamedPass<'a> {
+    /// The value of the axis `pass`.
+    pub(super) name: &'a str,
+    pub(super) purpose: Purpose,
+    /// How its colours meet those that are there; without it, they take their place.
+    pub(super) blend: Option<wgpu::BlendState>,
+    /// Whether its depth takes the place of what is there.
+    pub(super) writes_depth: bool,
+}
+
+impl<'a> NamedPass<'a> {
+    /// A pass of a light's plan, which says itself what it writes, and how.
+    pub(super) fn planned(name: &'a str) -> Self {
+        Self {
+            name,
+            purpose: Purpose::Maps,
+            blend: None,
+            writes_depth: false,
+        }
+    }
+}
+
+impl Renderer {
+    /// The renderer's own pass `name`.
+    ///
+    /// # Errors
+    /// A shader library that does not tell how it is run.
+    pub(super) fn pass<'a>(&self, name: &'a str) -> Result<NamedPass<'a>, RenderError> {
+        let axis = self.composer.library().axes().get("pass");
+        let pass = axis.and_then(|axis| axis.pass(name));
+        let pass = pass.ok_or_else(|| RenderError::Axis {
+            place: "the renderer".to_owned(),
+            axis: "pass".to_owned(),
+            problem: format!(
+                "but the shader library does not tell how `{name}` is run: give that value a root and a `pass`"
+            ),
+        })?;
+        Ok(NamedPass {
+            name,
+            purpose: pass.purpose,
+            blend: match pass.blend {
+                Blend::Replace => None,
+                Blend::Add => Some(ADD),
+                Blend::Multiply => Some(MULTIPLY),
+            },
+            writes_depth: pass.depth == Depth::Written,
+        })
+    }
+}
