@@ -3,8 +3,9 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Deserialize;
+use umbrage_hints::did_you_mean;
 
-use crate::{Cause, Error, Fault, Key, bits::Bits, error::nearest, file::SourceText, ron_text};
+use crate::{Cause, Error, Fault, Key, bits::Bits, file::SourceText, ron_text};
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
@@ -364,8 +365,8 @@ impl Axes {
 }
 
 fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
-    let fault = match nearest(name, known.iter().copied()) {
-        Some(near) => fault.note(format!("did you mean `{near}`?")),
+    let fault = match did_you_mean(name, known.iter().copied()) {
+        Some(hint) => fault.note(hint),
         None => fault,
     };
     match known {
