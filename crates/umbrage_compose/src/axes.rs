@@ -253,7 +253,7 @@ impl Axes {
 
     /// Takes in the axes of a package: new axes, and new values for known ones.
     pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
-        let file: AxesFile = ron_text::parse(source, Cause::Manifest)?;
+        let file: AxesFile = ron_text::parse(source)?;
         for (name, what) in file.capabilities {
             if let Some(other) = self.capabilities.get(&name) {
                 let message = format!("the capability `{name}` is declared already: {other}");
