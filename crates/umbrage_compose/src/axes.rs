@@ -3,10 +3,9 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use serde::Deserialize;
+use umbrage_hints::did_you_mean;
 
-use crate::{
-    Cause, Error, Fault, Key, Pass, bits::Bits, error::nearest, file::SourceText, ron_text,
-};
+use crate::{Cause, Error, Fault, Key, Pass, bits::Bits, file::SourceText, ron_text};
 
 /// The axes of a library.
 #[derive(Clone, Debug, Default)]
@@ -265,7 +264,7 @@ impl Axes {
 
     /// Takes in the axes of a package: new axes, and new values for known ones.
     pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
-        let file: AxesFile = ron_text::parse(source, Cause::Manifest)?;
+        let file: AxesFile = ron_text::parse(source)?;
         for (name, what) in file.capabilities {
             if let Some(other) = self.capabilities.get(&name) {
                 let message = format!("the capability `{name}` is declared already: {other}");
@@ -385,8 +384,8 @@ impl Axes {
 }
 
 fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
-    let fault = match nearest(name, known.iter().copied()) {
-        Some(near) => fault.note(format!("did you mean `{near}`?")),
+    let fault = match did_you_mean(name, known.iter().copied()) {
+        Some(hint) => fault.note(hint),
         None => fault,
     };
     match known {

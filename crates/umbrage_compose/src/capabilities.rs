@@ -6,7 +6,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::{Axes, Cause, Fault, axes::Effect, error::nearest};
+use umbrage_hints::did_you_mean;
+
+use crate::{Axes, Cause, Fault, axes::Effect};
 
 /// A fault of the axes' capabilities, and the words in a package's `axes.ron` that lead to its place.
 pub(crate) struct Misuse {
@@ -29,8 +31,8 @@ pub(crate) fn check(axes: &Axes) -> Result<(), Misuse> {
                 if axes.capabilities().all(|known| known != name) {
                     let message = format!("no capability `{name}` is declared");
                     return Err(misuse(message, [axis, value, list, name]).note(
-                        match nearest(name, axes.capabilities()) {
-                            Some(near) => format!("did you mean `{near}`?"),
+                        match did_you_mean(name, axes.capabilities()) {
+                            Some(hint) => hint,
                             None => {
                                 format!("say what it is under `capabilities`: \"{name}\": \"...\"")
                             }

@@ -11,13 +11,10 @@ use std::{ops::Range, sync::Arc};
 use naga::{Span, diagnostic_filter::Severity};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
+use umbrage_hints::did_you_mean;
 use wgsl_parse::lexer::Token;
 
-use crate::{
-    Cause, Fault, Library,
-    error::{Place, nearest},
-    source::Source,
-};
+use crate::{Cause, Fault, Library, error::Place, source::Source};
 
 pub(crate) use written::{Written, uses_subgroups};
 
@@ -365,8 +362,8 @@ impl<'a> Places<'a> {
                 let known = Rule::ALL.map(Rule::name);
                 let message = format!("WGSL has no diagnostic rule `{rule}`");
                 let fault = Fault::new(Cause::Syntax, message).at(place);
-                faults.push(match nearest(rule, known) {
-                    Some(near) => fault.note(format!("did you mean `{near}`?")),
+                faults.push(match did_you_mean(rule, known) {
+                    Some(hint) => fault.note(hint),
                     None => fault.note(format!("it has `{}`", known.join("` and `"))),
                 });
             }

@@ -5,7 +5,9 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use crate::{Cause, Fault, bits::Bits, error::nearest};
+use umbrage_hints::did_you_mean;
+
+use crate::{Cause, Fault, bits::Bits};
 
 /// The features that a library knows, each with a number.
 #[derive(Clone, Debug, Default)]
@@ -72,8 +74,8 @@ impl Features<'_> {
         let Some(number) = self.names.number(name) else {
             let fault = Fault::new(Cause::Syntax, format!("no axis sets the feature `{name}`"));
             return Err(
-                match nearest(name, self.names.iter().map(|(name, _)| name)) {
-                    Some(near) => fault.note(format!("did you mean `{near}`?")),
+                match did_you_mean(name, self.names.iter().map(|(name, _)| name)) {
+                    Some(hint) => fault.note(hint),
                     None => {
                         fault.note("declare it in the package's axes.ron, among an axis's values")
                     }

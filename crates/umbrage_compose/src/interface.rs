@@ -1,8 +1,9 @@
 //! Whether a module implements an interface.
 
 use naga::{Function, Handle, Module, Type, TypeInner};
+use umbrage_hints::nearest;
 
-use crate::{Cause, Fault, Library, error::nearest, unit::Unit};
+use crate::{Cause, Fault, Library, unit::Unit};
 
 /// Checks that `implementation` defines each function of `contract` with the same signature.
 pub(crate) fn check(

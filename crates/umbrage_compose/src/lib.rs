@@ -155,8 +155,9 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,
     TextureDimension, TextureSample, VertexInput,
 };
+pub use ron_text::RonFile;
 pub use space::{Selection, ValueId, Variant, Variants};
 pub use store::{Kind, Look, Store};
 pub use target::{Limit, Target};
-pub use when::{RonFile, When};
+pub use when::When;
 pub use whole::{sweep_beside, write_whole};

@@ -7,13 +7,13 @@ use std::{
 };
 
 use rustc_hash::FxHashMap;
+use umbrage_hints::{did_you_mean, nearest};
 
 use crate::{
     Axes, Cause, Error, Fault, Key, Package, ValueId,
     axes::{CountFetches, Counting, EffectNumbers},
     bits::Bits,
     capabilities,
-    error::nearest,
     features::FeatureNames,
     file::SourceText,
     names::may_stand_in_paths,
@@ -164,8 +164,8 @@ impl Library {
                         "{name}={value} sets the feature `{feature}`, which no module asks for"
                     );
                     let fault = Fault::new(Cause::Manifest, message);
-                    let fault = fault.note(match nearest(feature, words.iter().copied()) {
-                        Some(near) => format!("did you mean `{near}`? Else remove it"),
+                    let fault = fault.note(match did_you_mean(feature, words.iter().copied()) {
+                        Some(hint) => format!("{hint} Else remove it"),
                         None => "remove it, or let a module ask for it".to_owned(),
                     });
                     warnings.push(self.in_axes(fault, &[name, "values", value, feature]));

@@ -2,11 +2,12 @@
 
 use std::{collections::BTreeSet, path::Path};
 
+use umbrage_hints::did_you_mean;
 use wgsl_parse::lexer::Token;
 
 use crate::{
-    Cause, Composer, Error, Fault, Library, Package, Permutation, Target, error::nearest,
-    features::FeatureNames, file::SourceText, library::Request, names,
+    Cause, Composer, Error, Fault, Library, Package, Permutation, Target, features::FeatureNames,
+    file::SourceText, library::Request, names,
 };
 
 /// Links all that `file` declares and what that reaches, under `features`, with each interface of
@@ -55,9 +56,9 @@ pub fn link_file(
                 Cause::Key,
                 format!("no module reads the feature `{feature}`"),
             );
-            let near = nearest(feature, read_features.iter().map(String::as_str));
-            return Err(match near {
-                Some(near) => fault.note(format!("did you mean `{near}`?")).into(),
+            let hint = did_you_mean(feature, read_features.iter().map(String::as_str));
+            return Err(match hint {
+                Some(hint) => fault.note(hint).into(),
                 None => fault.into(),
             });
         }

@@ -53,11 +53,11 @@ impl Manifest {
         let peek = ron::from_str::<Peek>(&source.text);
         let (named, target, file) = match peek {
             Ok(peek) if peek.keys.trim().get_ron() == "All" => {
-                let file: WholeFile = ron_text::parse(&source, Cause::Manifest)?;
+                let file: WholeFile = ron_text::parse(&source)?;
                 (file.packages, file.target, None)
             }
             _ => {
-                let file: ManifestFile = ron_text::parse(&source, Cause::Manifest)?;
+                let file: ManifestFile = ron_text::parse(&source)?;
                 (file.packages.clone(), file.target.clone(), Some(file))
             }
         };

@@ -2,16 +2,12 @@
 
 use std::{collections::BTreeMap, ops::Range};
 
+use umbrage_hints::did_you_mean;
 use wgsl_parse::syntax::{
     GlobalDeclaration, Import, ImportContent, ImportItem, ImportStatement, ModulePath, PathOrigin,
 };
 
-use crate::{
-    Cause, Fault, Library,
-    error::{Place, nearest},
-    source::Source,
-    translate::Translated,
-};
+use crate::{Cause, Fault, Library, error::Place, source::Source, translate::Translated};
 
 /// A declaration of a module.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -229,8 +225,8 @@ fn package<'a>(site: &Site<'a>, name: &'a str) -> Result<&'a str, Fault> {
     known.ok_or_else(|| {
         let packages: Vec<_> = site.library.package_names().collect();
         let fault = Fault::new(Cause::Import, format!("no package `{name}`")).at(site.find(name));
-        match nearest(name, packages.iter().copied()) {
-            Some(near) => fault.note(format!("did you mean `{near}`?")),
+        match did_you_mean(name, packages.iter().copied()) {
+            Some(hint) => fault.note(hint),
             None => fault.note(format!("packages: {}", packages.join(", "))),
         }
     })
@@ -341,8 +337,8 @@ fn resolve(
                     place.place_labelled(hidden.span().range(), "there only under other features")
                 ));
             }
-            return Err(match nearest(name, names.iter().map(String::as_str)) {
-                Some(near) => fault.note(format!("did you mean `{near}`?")),
+            return Err(match did_you_mean(name, names.iter().map(String::as_str)) {
+                Some(hint) => fault.note(hint),
                 None => fault.note(format!("it has {}", names.join(", "))),
             });
         }

@@ -6,11 +6,11 @@ use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
 };
 use rustc_hash::FxHashMap;
+use umbrage_hints::did_you_mean;
 
 use crate::{
     Cause, Fault, Library,
     diagnostics::Filters,
-    error::nearest,
     names::{Item, ItemNumber},
     prepare::Prepared,
     rules::check_text,
@@ -442,8 +442,8 @@ fn parse_fault(
         .filter(|_| message.contains("no definition"))
     {
         let known = prepared.known.iter().map(String::as_str);
-        if let Some(near) = nearest(unknown, known) {
-            fault = fault.note(format!("did you mean `{near}`?"));
+        if let Some(hint) = did_you_mean(unknown, known) {
+            fault = fault.note(hint);
         }
         let elsewhere = library.sources().iter().enumerate().find(|(index, other)| {
             *index != module

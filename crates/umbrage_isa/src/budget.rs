@@ -56,12 +56,13 @@ impl Budget {
     pub fn load(path: &Path, axes: &Axes) -> Result<Self, Error> {
         let file = RonFile::load(path)?;
         let budget: BudgetFile = file.parse()?;
-        let ranges = file.rules()?;
         if budget.rules.is_empty() {
             let fault = file.fault("the budget has no rule", 0..0, &[]);
             return Err(fault.note("add one to `rules`: it checks nothing").into());
         }
-        for (rule, range) in budget.rules.iter().zip(&ranges) {
+        let ranges = (0..budget.rules.len()).map(|rule| file.at(&format!("rules[{rule}]")));
+        let rules: Vec<_> = budget.rules.into_iter().zip(ranges).collect();
+        for (rule, range) in &rules {
             rule.when.check(axes, &file, range.clone())?;
             if rule.max.0.is_empty() {
                 let fault = file.fault("a rule limits nothing", range.clone(), &["max"]);
@@ -73,7 +74,7 @@ impl Budget {
         Ok(Self {
             file,
             family: budget.family.to_ascii_lowercase(),
-            rules: budget.rules.into_iter().zip(ranges).collect(),
+            rules,
         })
     }
 

@@ -144,7 +144,6 @@ mod fit;
 mod lens;
 mod light;
 mod method;
-pub mod names;
 mod number;
 mod plan;
 mod registry;

@@ -2,10 +2,9 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use crate::{
-    ShadowMethod,
-    names::{nearest, suggestion},
-};
+use umbrage_hints::ending;
+
+use crate::ShadowMethod;
 
 /// Shadow methods by their names: where methods and the renderer meet, neither seeing the other.
 #[derive(Clone, Default)]
@@ -22,14 +21,14 @@ pub enum RegistryError {
         name: String,
     },
     /// No method has this name.
-    #[error("no shadow method `{name}` (known: {known}){}", suggestion(.nearest))]
+    #[error("no shadow method `{name}` (known: {known}){hint}")]
     Unknown {
         /// As asked for.
         name: String,
         /// All names.
         known: String,
-        /// The nearest name.
-        nearest: Option<String>,
+        /// The end of the message: which name may be meant.
+        hint: String,
     },
 }
 
@@ -60,7 +59,7 @@ impl Registry {
         self.0.get(name).ok_or_else(|| RegistryError::Unknown {
             name: name.to_owned(),
             known: self.names().collect::<Vec<_>>().join(", "),
-            nearest: nearest(name, self.names()),
+            hint: ending(name, self.names()),
         })
     }
 

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::{
-    names::{nearest, suggestion},
-    plain_number,
-};
+use umbrage_hints::ending;
+
+use crate::plain_number;
 
 /// A number that a method lets a scene choose.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +32,14 @@ pub struct Settings(BTreeMap<&'static str, f64>);
 #[non_exhaustive]
 pub enum SettingsError {
     /// No such setting.
-    #[error("no setting `{name}` (known: {known}){}", suggestion(.nearest))]
+    #[error("no setting `{name}` (known: {known}){hint}")]
     Unknown {
         /// As written.
         name: String,
         /// All names.
         known: String,
-        /// The nearest name.
-        nearest: Option<String>,
+        /// The end of the message: which name may be meant.
+        hint: String,
     },
     /// Out of range, or not whole.
     #[error(
@@ -79,7 +78,7 @@ impl Settings {
                 return Err(SettingsError::Unknown {
                     name: name.to_owned(),
                     known: names.join(", "),
-                    nearest: nearest(name, names),
+                    hint: ending(name, names),
                 });
             };
             let whole = !setting.whole || value.fract() == 0.0;

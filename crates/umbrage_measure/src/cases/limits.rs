@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt, sync::LazyLock};
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use umbrage_compose::{Error, Fault, RonFile};
-use umbrage_shadow::names::{nearest, suggestion};
+use umbrage_hints::did_you_mean;
 
 use super::judge::{NEVER_EXCEPTED, figure_names};
 use crate::study::Config;
@@ -469,9 +469,8 @@ fn known<E: serde::de::Error>(
 
 /// That there is no such name, and which was meant or may be.
 fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    let near = nearest(name, known.clone());
-    let hint = match near {
-        Some(_) => suggestion(&near),
+    let hint = match did_you_mean(name, known.clone()) {
+        Some(question) => format!("; {question}"),
         None => format!(" (known: {})", known.collect::<Vec<_>>().join(", ")),
     };
     format!("there is no {what} `{name}`{hint}")

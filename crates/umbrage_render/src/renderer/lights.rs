@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
+use umbrage_hints::ending;
 use umbrage_shadow::{
     Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
-    names::{nearest, suggestion},
 };
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
@@ -135,7 +135,7 @@ fn set_up_method<'a>(
         .find(|axis| !method.axes().contains(&axis.as_str()))
     {
         let known = method.axes().join(", ");
-        let hint = suggestion(&nearest(axis, method.axes().iter().copied()));
+        let hint = ending(axis, method.axes().iter().copied());
         let problem =
             format!("but method `{name}` has no axis of that name (known: {known}){hint}");
         return Err(RenderError::Axis {
@@ -184,7 +184,7 @@ fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Resul
                 .iter()
                 .map(|axis| axis.name.as_str())
                 .collect();
-            let hint = suggestion(&nearest(axis, known.iter().copied()));
+            let hint = ending(axis, known.iter().copied());
             format!(
                 "but there is no axis of that name (known: {}){hint}",
                 known.join(", ")
