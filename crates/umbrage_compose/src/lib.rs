@@ -138,8 +138,7 @@ mod words;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
-pub use checker::{Checked, Checker};
-pub use composer::{Composed, Composer, Nearness, Source};
+pub use composer::{Checked, Composed, Composer, Nearness, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use explain::{Explanation, Feature, Reason};
 pub use key::Key;
