@@ -66,7 +66,7 @@ struct Summary {
     /// Variables that it uses, directly or not, and how.
     uses: Vec<(ItemNumber, u8)>,
     /// What each of them is, as far as limits count it.
-    kinds: Vec<String>,
+    kinds: Vec<Arc<str>>,
     /// Overrides that it depends on, directly or not.
     overrides: Vec<ItemNumber>,
     /// Stages that may call it.
@@ -243,6 +243,11 @@ impl<'a> Trace<'a> {
             by_number,
             wholes,
         } = known;
+        let number = |item: &Item| item.number(library);
+        let variables = module.global_variables.iter().zip(&origins.owners);
+        let variables: Vec<(_, Arc<str>)> = variables
+            .map(|((_, variable), owner)| (number(owner), kind(module, variable).into()))
+            .collect();
         let mut learn = |which: Which, context: &Context| {
             if let Some(found) = contexts.get(context) {
                 return Some(*found);
@@ -270,13 +275,10 @@ impl<'a> Trace<'a> {
                             | TypeInner::Struct { .. }
                     )
             });
-            let number = |item: &Item| item.number(library);
             let mut used: Vec<_> = (module.global_variables.iter())
-                .filter(|(handle, _)| info[*handle] != GlobalUse::empty())
-                .filter_map(|(handle, variable)| {
-                    let item = number(origins.owners.get(handle.index())?);
-                    Some(((item, info[handle].bits()), kind(module, variable)))
-                })
+                .zip(&variables)
+                .filter(|((handle, _), _)| info[*handle] != GlobalUse::empty())
+                .map(|((handle, _), (item, kind))| ((*item, info[handle].bits()), kind.clone()))
                 .collect();
             used.sort_unstable();
             let (uses, kinds) = used.into_iter().unzip();
@@ -431,6 +433,9 @@ fn overrides(
     origins: &Origins,
     number: &dyn Fn(&Item) -> ItemNumber,
 ) -> Vec<ItemNumber> {
+    if module.overrides.is_empty() {
+        return Vec::new();
+    }
     let mut waiting = vec![function];
     let mut seen = FxHashSet::default();
     let mut found = BTreeSet::new();

@@ -21,6 +21,7 @@ use crate::{
     reach::{Reach, reach},
     space::{Known, Read, Selection, Variant, Variants},
     store::Look,
+    translate::TranslatedModules,
     unit::{Refusal, Unit, parse},
 };
 
@@ -38,6 +39,7 @@ pub struct Composer {
     memory: RwLock<HashMap<Key, Arc<Permutation>>>,
     /// By module.
     modules: Vec<RwLock<Readings>>,
+    translated: TranslatedModules,
     verdicts: Verdicts,
 }
 
@@ -160,6 +162,7 @@ impl Composer {
             .map(|_| RwLock::default())
             .collect();
         Self {
+            translated: TranslatedModules::new(&library),
             verdicts: Verdicts::new(&library),
             library,
             target,
@@ -462,7 +465,7 @@ impl Composer {
             enabled,
             asked: &asked,
         };
-        let prepared = prepare(&self.library, module, &features).map(Arc::new);
+        let prepared = prepare(&self.library, module, &features, &self.translated).map(Arc::new);
         let mut readings = lock
             .write()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
