@@ -363,7 +363,7 @@ impl<'a> Trace<'a> {
         let mut seen = BTreeSet::from([module]);
         while let Some(other) = named.pop_first() {
             if seen.insert(other) {
-                let other = self.targets.unit(other)?;
+                let other = self.targets.look(other)?;
                 context.push(Arc::as_ptr(other) as u64);
                 named.extend(&other.overriding);
             }
@@ -375,6 +375,11 @@ impl<'a> Trace<'a> {
         }
         for &(callee, unused) in &facts.calls {
             let target = self.targets.target((module, callee))?;
+            let (interface, _) = home.called[callee.index()];
+            if interface as usize != target.0 {
+                let contract = self.targets.unit(interface as usize)?;
+                context.push(Arc::as_ptr(contract) as u64);
+            }
             context.push(match unused && self.reach.idle.contains(&target) {
                 true => u64::MAX,
                 false => self.function(target, settle)?.into(),

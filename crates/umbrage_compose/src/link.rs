@@ -16,6 +16,7 @@ use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library, bindings,
+    bits::Bits,
     diagnostics::Filters,
     instances::{self, Call},
     interface,
@@ -23,7 +24,7 @@ use crate::{
     names::Item,
     overrides,
     reach::{DEEPEST_CALLS, FunctionId, Program, Reach},
-    unit::Unit,
+    unit::{Facts, Unit},
 };
 
 /// What to start from.
@@ -93,8 +94,10 @@ pub(crate) struct Targets<'a> {
     pub(crate) library: &'a Library,
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
-    /// The units that were asked for.
+    /// The units that were looked at.
     taken: Vec<OnceCell<Arc<Unit>>>,
+    /// Those of them that are part of the permutation.
+    parts: RefCell<Bits>,
     /// Calls from module to module, and what they lead to.
     pub(crate) known: RefCell<FxHashMap<FunctionId, FunctionId>>,
     checked: RefCell<FxHashSet<usize>>,
@@ -106,13 +109,9 @@ impl Program for Targets<'_> {
     }
 
     fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
-        match self.taken[module].get() {
-            Some(unit) => Ok(unit),
-            None => {
-                let unit = self.units.unit(module)?;
-                Ok(self.taken[module].get_or_init(|| unit))
-            }
-        }
+        let unit = self.look(module)?;
+        self.parts.borrow_mut().insert(module);
+        Ok(unit)
     }
 
     fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
@@ -142,8 +141,20 @@ impl<'a> Targets<'a> {
             request,
             units,
             taken: vec![OnceCell::new(); library.sources().len()],
+            parts: RefCell::default(),
             known: RefCell::new(with_room()),
             checked: RefCell::default(),
+        }
+    }
+
+    /// The unit of `module`, which is no part of the permutation for that alone.
+    pub(crate) fn look(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
+        match self.taken[module].get() {
+            Some(unit) => Ok(unit),
+            None => {
+                let unit = self.units.unit(module)?;
+                Ok(self.taken[module].get_or_init(|| unit))
+            }
         }
     }
 
@@ -247,13 +258,12 @@ impl Linker<'_> {
         if roots == Roots::Declarations {
             self.declarations(root, &unit)?;
         }
-        for entry in &unit.module.entry_points {
-            self.entry_point(root, &unit, entry)?;
+        for (entry, facts) in unit.module.entry_points.iter().zip(&unit.entry_facts) {
+            self.entry_point(root, &unit, (entry, facts))?;
         }
-        let taken = targets.taken.iter().enumerate();
-        let taken = taken.filter_map(|(module, unit)| Some((module, unit.get()?)));
-        for (module, unit) in taken.clone() {
-            let unit = self.without.get(&module).unwrap_or(unit);
+        let parts = targets.parts.borrow().clone();
+        for module in parts.iter() {
+            let unit = self.unit(module)?;
             for (kind, ty) in &unit.module.special_types.predeclared_types {
                 let number = unit.type_numbers[ty.index()];
                 let copied = number.and_then(|number| self.types.get(number).copied().flatten());
@@ -282,13 +292,15 @@ impl Linker<'_> {
             })?;
         }
         bindings::allocate(library, &mut self.out, &self.owners)?;
+        let mut filters = FxHashMap::default();
+        for module in parts.iter() {
+            filters.insert(module, targets.unit(module)?.filters().clone());
+        }
         let origins = Origins {
             owners: self.owners,
             functions: self.origins,
             overrides,
-            filters: taken
-                .map(|(module, unit)| (module, unit.filters().clone()))
-                .collect(),
+            filters,
         };
         Ok((self.out, origins))
     }
@@ -352,7 +364,7 @@ impl Linker<'_> {
         &mut self,
         root: usize,
         unit: &Arc<Unit>,
-        entry: &EntryPoint,
+        (entry, facts): (&EntryPoint, &Facts),
     ) -> Result<(), Fault> {
         let workgroup_size_overrides = match entry.workgroup_size_overrides {
             Some(sizes) => {
@@ -378,7 +390,7 @@ impl Linker<'_> {
                 .source(root)
                 .find(&entry.name)));
         }
-        let function = self.body(root, unit, &entry.function)?;
+        let function = self.body(root, unit, (&entry.function, facts))?;
         self.out.entry_points.push(EntryPoint {
             name: entry.name.clone(),
             stage: entry.stage,
@@ -409,7 +421,7 @@ impl Linker<'_> {
         }
         self.under_way.push(id);
         let unit = self.unit(id.0)?;
-        let original = &unit.module.functions[id.1];
+        let original = (&unit.module.functions[id.1], &unit.facts[id.1.index()]);
         let mut function = self.body(id.0, &unit, original)?;
         self.rename(id.0, &mut function.name);
         self.under_way.pop();
@@ -455,7 +467,7 @@ impl Linker<'_> {
         &mut self,
         module: usize,
         unit: &Arc<Unit>,
-        original: &Function,
+        (original, facts): (&Function, &Facts),
     ) -> Result<Function, Fault> {
         let mut function = original.clone();
         for argument in &mut function.arguments {
@@ -468,6 +480,9 @@ impl Linker<'_> {
             local.ty = self.ty(module, unit, local.ty)?;
         }
         self.block(module, &mut function.body)?;
+        for other in &facts.names {
+            self.targets.unit(*other)?;
+        }
         for (_, expression) in function.expressions.iter_mut() {
             self.outside(module, unit, expression)?;
         }

@@ -239,7 +239,14 @@ impl Unit {
             leave_out(&mut function.body, &dead, left_out);
         });
         compact(&mut module, KeepUnused::Yes);
-        let unit = Arc::new(Self::new(library, home, module, self.prepared.clone()));
+        let mut unit = Self::new(library, home, module, self.prepared.clone());
+        // What is named is looked at, and its faults are told, whether it has an effect or not.
+        let facts = unit.facts.iter_mut().zip(&self.facts);
+        let entry_facts = unit.entry_facts.iter_mut().zip(&self.entry_facts);
+        for (own, whole) in facts.chain(entry_facts) {
+            own.names.clone_from(&whole.names);
+        }
+        let unit = Arc::new(unit);
         let mut known = self.without.write().unwrap_or_else(PoisonError::into_inner);
         known.entry(left_out.clone()).or_insert(unit).clone()
     }

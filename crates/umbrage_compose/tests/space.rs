@@ -559,6 +559,39 @@ fn kinds_are_seen_through_calls() {
     in_company(NARROW, [&root, &other], [first, second], &notes, (1, words));
 }
 
+/// A contract warns of its own filters, whatever implements it.
+#[test]
+fn warnings_of_contracts_are_seen_through_calls() {
+    let axes = format!(
+        r#"(axes: {{ {NARROW}
+            "i": (values: {{ "one": (bind: {{ "package::interface::i": "package::one" }}) }}),
+            "pass": (values: {{ "main": (root: "package::main") }}) }})"#
+    );
+    let main = format!("{FRAGMENT} {{ return vec4f(package::interface::i::ask(x)); }}");
+    let ask = "fn ask(x: f32) -> f32 { return x; }";
+    let contract = format!("@if(NARROW) diagnostic(off, unknown);\n{ask}");
+    let files = [
+        ("axes.ron", axes.as_str()),
+        ("main.wesl", &main),
+        ("one.wesl", ask),
+        ("interface/i.wesl", &contract),
+    ];
+    assert_eq!(compare(&library(&files)), [""; 0]);
+}
+
+/// A module of which only a variable is taken, which nothing reads, warns and fails as any other.
+#[test]
+fn what_has_no_effect_is_seen() {
+    let root = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "fn ask(x: f32) -> f32 { package::notes::seen = x; return x; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let notes = "@if(!NARROW) diagnostic(off, unknown);\n\
+                 var<private> seen: f32;\n\
+                 @if(NARROW) const WRONG: u32 = -1;";
+    let words = "WRONG";
+    in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
+}
+
 /// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Two hours on two cores.
 #[test]
 #[ignore = "composes more than a million permutations: run it after a change of the checker or the linker"]
