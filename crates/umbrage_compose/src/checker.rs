@@ -375,10 +375,13 @@ impl<'a> Trace<'a> {
         }
         for &(callee, unused) in &facts.calls {
             let target = self.targets.target((module, callee))?;
-            let (interface, _) = home.called[callee.index()];
-            if interface as usize != target.0 {
-                let contract = self.targets.unit(interface as usize)?;
-                context.push(Arc::as_ptr(contract) as u64);
+            let called = home.called[callee.index()].0 as usize;
+            if called != module {
+                // An implementation's contract is told of with it.
+                context.push(match called == target.0 {
+                    true => 0,
+                    false => Arc::as_ptr(self.targets.unit(called)?) as u64,
+                });
             }
             context.push(match unused && self.reach.idle.contains(&target) {
                 true => u64::MAX,
