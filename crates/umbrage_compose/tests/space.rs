@@ -592,13 +592,39 @@ fn what_has_no_effect_is_seen() {
     in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
 }
 
+fn our_library() -> Library {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
+    let package = Package::load("umbrage", &path).unwrap_or_else(|error| panic!("{error}"));
+    Library::new([package]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Some of our shaders, from all over the space: what a composer makes of each does not depend on what it knows.
+#[test]
+fn some_of_our_space_is_composed_alike() {
+    let library = our_library();
+    let new = || Composer::new(library.clone(), Target::webgpu());
+    let [composer, checker] = [new(), new()];
+    let parts = composer.variants().split(4096);
+    let variants = parts
+        .into_iter()
+        .step_by(16)
+        .filter_map(|mut part| part.next());
+    let mut known = 0;
+    for variant in variants {
+        let key = variant.key();
+        known += usize::from(!checker.check(&variant).composed);
+        let expected = made(&new(), &key);
+        assert_eq!(made(&checker, &key), expected, "{key}");
+        assert_eq!(made(&composer, &key), expected, "{key}");
+    }
+    assert!(known > 0);
+}
+
 /// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Two hours on two cores.
 #[test]
 #[ignore = "composes more than a million permutations: run it after a change of the checker or the linker"]
 fn our_whole_space_composes() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
-    let package = Package::load("umbrage", &path).unwrap_or_else(|error| panic!("{error}"));
-    let library = Library::new([package]).unwrap_or_else(|error| panic!("{error}"));
+    let library = our_library();
     let composer = Composer::new(library.clone(), Target::webgpu());
     let parts = composer.variants().split(4096);
     let next = AtomicUsize::new(0);
