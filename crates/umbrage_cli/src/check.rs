@@ -11,8 +11,8 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 use umbrage::compose::{
-    Axes, Cause, Checker, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection,
-    Variant, Variants,
+    Axes, Cause, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection, Variant,
+    Variants,
 };
 
 use crate::{
@@ -179,7 +179,6 @@ impl Findings {
             .filter(|(_, other)| is_kin(other));
         let first = kin.next().map_or(index, |(first, _)| first);
         let is_alone = first == index && kin.next().is_none();
-        let checker = Checker::new(&subject.composer);
         let parts = subject.parts();
         let bar = progress("checking", parts.len());
         let parts = parts.into_par_iter().enumerate().map(|(number, part)| {
@@ -189,7 +188,7 @@ impl Findings {
                     true => findings.permutations += 1,
                     false => drop(findings.shared.insert((first, variant.key()))),
                 }
-                let checked = checker.check(&variant);
+                let checked = subject.composer.check(&variant);
                 findings.warnings.extend(checked.warnings);
                 if let Some(error) = checked.fault {
                     let ordinal = (index as u32, number as u32, place as u32);

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, btree_map};
 
 use naga::{AddressSpace, GlobalVariable, Handle, Module, ResourceBinding};
-use rustc_hash::FxHashMap;
 
 use crate::{Cause, Fault, Library, names::Item};
 
@@ -12,7 +11,7 @@ use crate::{Cause, Fault, Library, names::Item};
 pub(crate) fn allocate(
     library: &Library,
     module: &mut Module,
-    owners: &FxHashMap<Handle<GlobalVariable>, Item>,
+    owners: &[Item],
 ) -> Result<(), Fault> {
     let mut resources = Vec::new();
     for (handle, global) in module.global_variables.iter() {
@@ -26,7 +25,7 @@ pub(crate) fn allocate(
             | AddressSpace::RayPayload
             | AddressSpace::IncomingRayPayload => false,
         };
-        let Some(item) = owners.get(&handle).filter(|_| resource) else {
+        let Some(item) = owners.get(handle.index()).filter(|_| resource) else {
             continue;
         };
         let source = library.source(item.module);

@@ -2,7 +2,7 @@
 //!
 //! What is read must be of the key that was asked for, and its module must pass the validator.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::OnceLock};
 
 use naga::Module;
 use serde::{Deserialize, Serialize};
@@ -125,12 +125,14 @@ fn decode(
     if entry.key != *key {
         return Err("it is of another key");
     }
-    let info = validate(&entry.module, target).map_err(|_| "its module is not valid")?;
+    let capabilities = target.capabilities();
+    let info = validate(&entry.module, capabilities).map_err(|_| "its module is not valid")?;
     Ok(Permutation {
         key: entry.key,
         pass,
         module: entry.module,
-        info,
+        capabilities,
+        info: OnceLock::from(info),
         reflection: entry.reflection,
         warnings: entry.warnings,
         written: entry.written,

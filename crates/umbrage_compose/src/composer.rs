@@ -11,14 +11,17 @@ use crate::{
     Error, Fault, Key, Library, Permutation, Target,
     bits::Bits,
     cache::DiskCache,
+    checker::Verdicts,
     features::Features,
     fetches,
     library::Request,
-    link::{Origins, Roots, Units, link},
+    link::{Roots, Targets, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, dependencies, project},
-    space::{Known, Read, Selection, Variants},
+    reach::{Reach, reach},
+    space::{Known, Read, Selection, Variant, Variants},
     store::Look,
+    translate::TranslatedModules,
     unit::{Refusal, Unit, parse},
 };
 
@@ -36,6 +39,8 @@ pub struct Composer {
     memory: RwLock<HashMap<Key, Arc<Permutation>>>,
     /// By module.
     modules: Vec<RwLock<Readings>>,
+    translated: TranslatedModules,
+    verdicts: Verdicts,
 }
 
 /// A module under features that agree on what it consults.
@@ -115,6 +120,17 @@ pub struct Composed {
     pub warnings: Vec<String>,
 }
 
+/// Outcome of checking a permutation.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// The first fault, where there is one.
+    pub fault: Option<Error>,
+    /// Warnings about the permutation.
+    pub warnings: Vec<String>,
+    /// Whether it was composed, because some part of it was new or has a fault or a warning.
+    pub composed: bool,
+}
+
 /// Relation of a key's choice to a module, from the loosest to the closest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Nearness {
@@ -146,6 +162,8 @@ impl Composer {
             .map(|_| RwLock::default())
             .collect();
         Self {
+            translated: TranslatedModules::new(&library),
+            verdicts: Verdicts::new(&library),
             library,
             target,
             disk: None,
@@ -274,7 +292,7 @@ impl Composer {
                 Look::Dropped(warning) => warnings.push(warning),
             }
         }
-        let (permutation, _) = self.make(&request, &found.modules, projected.clone())?;
+        let permutation = self.make(&request, &found, projected.clone())?;
         if let Some((disk, name)) = &name {
             warnings.extend(disk.keep(name, &permutation));
         }
@@ -288,31 +306,78 @@ impl Composer {
         })
     }
 
-    /// Links and checks what `request` asks for, for which `modules` were read.
-    pub(crate) fn make(
+    /// Checks a permutation, as [`Self::compose`] would, but without making it where all its parts are known to be
+    /// valid. It is not kept.
+    pub fn check(&self, variant: &Variant<'_>) -> Checked {
+        let checked = |fault, warnings, composed| Checked {
+            fault,
+            warnings,
+            composed,
+        };
+        if let Some(fault) = variant.fault() {
+            return checked(Some(fault), Vec::new(), false);
+        }
+        let request = variant.request();
+        let units = AsRead::new(self, &request, variant.entries());
+        let targets = Targets::new(&self.library, &request, &units);
+        let proved = self.reach(&targets, variant.module_numbers());
+        let proved = proved.and_then(|reach| match self.verdicts.known(&targets, &reach) {
+            Some(_) => Ok(None),
+            None => self.prove(&targets, &reach, variant.key()).map(Some),
+        });
+        match proved {
+            Ok(None) => checked(None, Vec::new(), false),
+            Ok(Some(permutation)) => checked(None, permutation.warnings, true),
+            Err(fault) => checked(Some(fault.key(&variant.key()).into()), Vec::new(), true),
+        }
+    }
+
+    /// Links what `request` asks for, for which modules were `found`, and validates it where some part of it is not
+    /// known to be valid.
+    fn make(
         &self,
         request: &Request,
-        modules: &Bits,
-        projected: Key,
-    ) -> Result<(Permutation, Origins), Fault> {
-        let with = WithFeatures {
-            composer: self,
-            enabled: &request.features,
-        };
-        // Naga checks a module's assertions when it parses it, which constants alone do not ask for.
-        for module in modules.iter() {
-            if self.library.source(module).has_assertions() {
-                with.unit(module)?;
+        found: &Dependencies,
+        key: Key,
+    ) -> Result<Permutation, Fault> {
+        let entries = found.entries.iter();
+        let entries = entries.map(|(module, entry)| (*module, &**entry));
+        let units = AsRead::new(self, request, entries);
+        let targets = Targets::new(&self.library, request, &units);
+        let reach = self.reach(&targets, &found.modules)?;
+        if let Some(uses) = self.verdicts.known(&targets, &reach) {
+            let linked = link(&targets, &reach, Roots::EntryPoints, true)?;
+            // The values of overrides come from validation.
+            if linked.0.overrides.is_empty() {
+                let (library, target) = (&self.library, &self.target);
+                return Ok(Permutation::of_valid(library, target, key, linked, &uses));
             }
         }
-        let (module, origins) = link(&self.library, request, &with, Roots::EntryPoints)?;
+        self.prove(&targets, &reach, key)
+    }
+
+    /// Links and validates a permutation, and remembers that its parts are valid.
+    fn prove(&self, targets: &Targets<'_>, reach: &Reach, key: Key) -> Result<Permutation, Fault> {
+        let (library, request) = (&self.library, targets.request);
+        let (module, origins) = link(targets, reach, Roots::EntryPoints, false)?;
         let linked = (module, &origins);
-        let (library, root) = (&self.library, request.root);
-        let permutation = Permutation::new(library, &self.target, projected, root, linked)?;
+        let permutation = Permutation::new(library, &self.target, key, request.root, linked)?;
         for counting in &request.counting {
-            fetches::check(library, root, counting, &permutation.module)?;
+            fetches::check(library, request.root, counting, &permutation.module)?;
         }
-        Ok((permutation, origins))
+        self.verdicts
+            .learn(targets, reach, (&permutation, &origins));
+        Ok(permutation)
+    }
+
+    fn reach(&self, targets: &Targets<'_>, modules: &Bits) -> Result<Reach, Fault> {
+        // Naga checks a module's assertions when it parses it, which constants alone do not ask for.
+        for module in modules.iter() {
+            if self.library.syntax(module).is_ok_and(|own| own.asserts) {
+                targets.units.unit(module)?;
+            }
+        }
+        reach(targets, targets.request.root, Roots::EntryPoints)
     }
 
     /// The modules under `features`.
@@ -337,7 +402,9 @@ impl Composer {
             composer: self,
             enabled: &request.features,
         };
-        let (module, origins) = link(&self.library, request, &with, Roots::Declarations)?;
+        let targets = Targets::new(&self.library, request, &with);
+        let reach = reach(&targets, request.root, Roots::Declarations)?;
+        let (module, origins) = link(&targets, &reach, Roots::Declarations, false)?;
         let (key, linked) = (Key::default(), (module, &origins));
         Permutation::new(&self.library, &self.target, key, request.root, linked)
     }
@@ -399,7 +466,7 @@ impl Composer {
             enabled,
             asked: &asked,
         };
-        let prepared = prepare(&self.library, module, &features).map(Arc::new);
+        let prepared = prepare(&self.library, module, &features, &self.translated).map(Arc::new);
         let mut readings = lock
             .write()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -483,8 +550,8 @@ struct WithFeatures<'a> {
 }
 
 impl Modules for WithFeatures<'_> {
-    fn prepared(&self, module: usize) -> Result<Arc<Prepared>, Fault> {
-        self.composer.entry(module, self.enabled).prepared.clone()
+    fn read(&self, module: usize) -> Arc<Entry> {
+        self.composer.entry(module, self.enabled)
     }
 }
 
@@ -514,5 +581,41 @@ impl WithFeatures<'_> {
         let prepared = entry.prepared.as_ref().map_err(Fault::clone)?;
         let parsed = || parse(library, module, prepared).map(Arc::new);
         Ok(entry.unit.get_or_init(parsed).clone())
+    }
+}
+
+/// Modules as they were read.
+struct AsRead<'a> {
+    with: WithFeatures<'a>,
+    /// By module.
+    entries: Vec<Option<&'a Entry>>,
+}
+
+impl<'a> AsRead<'a> {
+    fn new(
+        composer: &'a Composer,
+        request: &'a Request,
+        read: impl Iterator<Item = (usize, &'a Entry)>,
+    ) -> Self {
+        let mut entries = vec![None; composer.modules.len()];
+        for (module, entry) in read {
+            entries[module] = Some(entry);
+        }
+        let with = WithFeatures {
+            composer,
+            enabled: &request.features,
+        };
+        Self { with, entries }
+    }
+}
+
+impl Units for AsRead<'_> {
+    fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+        let unit = self.entries[module].map(|entry| self.with.composer.unit(module, entry));
+        match unit {
+            Some(Ok(unit)) => Ok(unit.clone()),
+            // A fault may lie in another module.
+            _ => self.with.unit(module),
+        }
     }
 }

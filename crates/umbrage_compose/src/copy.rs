@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
 
-use crate::{Fault, link::Linker, reach::Program as _, unit::Unit};
+use crate::{Fault, link::Linker, unit::Unit};
 
 impl Linker<'_> {
     pub(crate) fn ty(
@@ -13,9 +13,12 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Type>,
     ) -> Result<Handle<Type>, Fault> {
-        let maps = self.maps.entry(module).or_default();
-        maps.types.resize(unit.module.types.len(), None);
-        if let Some(done) = maps.types[handle.index()] {
+        let number = unit.type_numbers[handle.index()];
+        let done = match number {
+            Some(number) => self.types.get(number).copied().flatten(),
+            None => self.copies.types.get(&(module, handle)).copied(),
+        };
+        if let Some(done) = done {
             return Ok(done);
         }
         let mut inner = unit.module.types[handle].inner.clone();
@@ -35,10 +38,15 @@ impl Linker<'_> {
             _ => {}
         }
         let name = unit.type_names[handle.index()].clone();
-        let span = self.shifted(module, unit.module.types.get_span(handle));
+        let span = self.shifted(module, unit, unit.module.types.get_span(handle));
         let copied = self.out.types.insert(Type { name, inner }, span);
-        if let Some(maps) = self.maps.get_mut(&module) {
-            maps.types[handle.index()] = Some(copied);
+        match number {
+            Some(number) => {
+                let room = self.types.len().max(number + 1);
+                self.types.resize(room, None);
+                self.types[number] = Some(copied);
+            }
+            None => drop(self.copies.types.insert((module, handle), copied)),
         }
         Ok(copied)
     }
@@ -49,31 +57,29 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Constant>,
     ) -> Result<Handle<Constant>, Fault> {
-        if let Some(done) = self.maps.entry(module).or_default().constants.get(&handle) {
+        if let Some(done) = self.copies.constants.get(&(module, handle)) {
             return Ok(*done);
         }
         // A stand-in has the value of what it stands for.
         let item = unit.constants.get(&handle);
         if let Some(done) = item.and_then(|item| self.constants.get(item)) {
+            self.copies.constants.insert((module, handle), *done);
             return Ok(*done);
         }
         let original = &unit.module.constants[handle];
+        let mut name = item.map(|item| item.name.clone());
+        self.rename(item.map_or(module, |item| item.module), &mut name);
         let copied = Constant {
-            name: item.and_then(|item| self.free_name(item.module, &Some(item.name.clone()))),
+            name,
             ty: self.ty(module, unit, original.ty)?,
             init: self.expression(module, unit, original.init)?,
         };
-        let span = self.shifted(module, unit.module.constants.get_span(handle));
+        let span = self.shifted(module, unit, unit.module.constants.get_span(handle));
         let copied = self.out.constants.append(copied, span);
-        match item {
-            Some(item) => self.constants.insert(item.clone(), copied),
-            None => self
-                .maps
-                .entry(module)
-                .or_default()
-                .constants
-                .insert(handle, copied),
-        };
+        self.copies.constants.insert((module, handle), copied);
+        if let Some(item) = item {
+            self.constants.insert(item.clone(), copied);
+        }
         Ok(copied)
     }
 
@@ -83,16 +89,17 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Override>,
     ) -> Result<Handle<Override>, Fault> {
-        if let Some(done) = self.maps.entry(module).or_default().overrides.get(&handle) {
+        if let Some(done) = self.copies.overrides.get(&(module, handle)) {
             return Ok(*done);
         }
         // Naga stores an array length that is an expression as an override without a name.
         let item = unit.overrides.get(&handle);
         if let Some(done) = item.and_then(|item| self.overrides.get(item)) {
+            self.copies.overrides.insert((module, handle), *done);
             return Ok(*done);
         }
         if let Some(item) = item.filter(|item| item.module != module) {
-            let owner = self.targets.unit(item.module)?.clone();
+            let owner = self.unit(item.module)?;
             let own = owner
                 .overrides
                 .iter()
@@ -112,17 +119,12 @@ impl Linker<'_> {
                 None => None,
             },
         };
-        let span = self.shifted(module, unit.module.overrides.get_span(handle));
+        let span = self.shifted(module, unit, unit.module.overrides.get_span(handle));
         let copied = self.out.overrides.append(copied, span);
-        match item {
-            Some(item) => self.overrides.insert(item.clone(), copied),
-            None => self
-                .maps
-                .entry(module)
-                .or_default()
-                .overrides
-                .insert(handle, copied),
-        };
+        self.copies.overrides.insert((module, handle), copied);
+        if let Some(item) = item {
+            self.overrides.insert(item.clone(), copied);
+        }
         Ok(copied)
     }
 
@@ -132,29 +134,49 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<GlobalVariable>,
     ) -> Result<Handle<GlobalVariable>, Fault> {
-        let item = &unit.globals[&handle];
-        if let Some(done) = self.globals.get(item) {
+        if let Some(done) = self.copies.globals.get(&(module, handle)) {
             return Ok(*done);
         }
+        let item = &unit.globals[handle.index()];
+        let copied = match self.globals.get(item) {
+            Some(done) => *done,
+            None => self.new_global(module, unit, handle)?,
+        };
+        self.copies.globals.insert((module, handle), copied);
+        Ok(copied)
+    }
+
+    fn new_global(
+        &mut self,
+        module: usize,
+        unit: &Arc<Unit>,
+        handle: Handle<GlobalVariable>,
+    ) -> Result<Handle<GlobalVariable>, Fault> {
+        let item = &unit.globals[handle.index()];
         if item.module != module {
-            let owner = self.targets.unit(item.module)?.clone();
+            let owner = self.unit(item.module)?;
             if let Some(own) = owner.own_globals.get(&item.name) {
                 return self.global(item.module, &owner, *own);
             }
         }
         let original = &unit.module.global_variables[handle];
+        let mut name = original.name.clone();
+        self.rename(module, &mut name);
         let copied = GlobalVariable {
-            name: self.free_name(module, &original.name),
+            name,
             ty: self.ty(module, unit, original.ty)?,
             init: match original.init {
                 Some(init) => Some(self.expression(module, unit, init)?),
                 None => None,
             },
-            ..original.clone()
+            space: original.space,
+            binding: original.binding,
+            memory_decorations: original.memory_decorations,
         };
-        let span = self.shifted(module, unit.module.global_variables.get_span(handle));
+        let span = self.shifted(module, unit, unit.module.global_variables.get_span(handle));
         let copied = self.out.global_variables.append(copied, span);
         self.globals.insert(item.clone(), copied);
+        self.owners.push(item.clone());
         Ok(copied)
     }
 
@@ -165,13 +187,7 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<Expression>,
     ) -> Result<Handle<Expression>, Fault> {
-        if let Some(done) = self
-            .maps
-            .entry(module)
-            .or_default()
-            .expressions
-            .get(&handle)
-        {
+        if let Some(done) = self.copies.expressions.get(&(module, handle)) {
             return Ok(*done);
         }
         let mut copied = unit.module.global_expressions[handle].clone();
@@ -223,22 +239,19 @@ impl Linker<'_> {
             _ => {}
         }
         self.outside(module, unit, &mut copied)?;
-        let span = self.shifted(module, unit.module.global_expressions.get_span(handle));
+        let span = self.shifted(
+            module,
+            unit,
+            unit.module.global_expressions.get_span(handle),
+        );
         let copied = self.out.global_expressions.append(copied, span);
-        self.maps
-            .entry(module)
-            .or_default()
-            .expressions
-            .insert(handle, copied);
+        self.copies.expressions.insert((module, handle), copied);
         Ok(copied)
     }
 
     /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
-    pub(crate) fn shifted(&self, module: usize, span: Span) -> Span {
-        let source = self.targets.library.source(module);
-        match self.targets.unit(module) {
-            Ok(unit) => crate::unit::shifted(span, source.base, &unit.own),
-            Err(_) => Span::UNDEFINED,
-        }
+    pub(crate) fn shifted(&self, module: usize, unit: &Unit, span: Span) -> Span {
+        let base = self.targets.library.source(module).base;
+        crate::unit::shifted(span, base, unit.own())
     }
 }

@@ -69,6 +69,16 @@ pub(crate) struct Features<'a> {
 }
 
 impl Features<'_> {
+    /// Counts `features` as asked for, in this order.
+    pub(crate) fn ask(&self, features: &[usize]) {
+        let mut asked = self.asked.borrow_mut();
+        for feature in features {
+            if !asked.contains(feature) {
+                asked.push(*feature);
+            }
+        }
+    }
+
     /// Whether the feature `name` is enabled.
     pub(crate) fn get(&self, name: &str, consulted: &mut Consulted) -> Result<bool, Fault> {
         let Some(number) = self.names.number(name) else {
@@ -82,10 +92,7 @@ impl Features<'_> {
                 },
             );
         };
-        let mut asked = self.asked.borrow_mut();
-        if !asked.contains(&number) {
-            asked.push(number);
-        }
+        self.ask(&[number]);
         let enabled = self.enabled.contains(number);
         consulted.asked.insert(number);
         if enabled {

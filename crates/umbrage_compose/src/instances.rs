@@ -39,10 +39,12 @@ pub(crate) struct Origins<'a> {
     pub(crate) library: &'a Library,
     pub(crate) root: usize,
     pub(crate) module: &'a Module,
-    pub(crate) functions: &'a FxHashMap<Handle<Function>, FunctionId>,
-    /// Names of the functions as their authors wrote them.
-    pub(crate) names: &'a FxHashMap<FunctionId, String>,
-    pub(crate) variables: &'a FxHashMap<Handle<GlobalVariable>, Item>,
+    /// By the functions' indices.
+    pub(crate) functions: &'a [FunctionId],
+    /// Names of the functions as their authors wrote them, by the functions' indices.
+    pub(crate) names: &'a [&'a str],
+    /// By the variables' indices.
+    pub(crate) variables: &'a [Item],
     /// The calls from module to module, in a fixed order.
     pub(crate) calls: &'a [Call],
 }
@@ -77,10 +79,9 @@ type Implementations = BTreeMap<usize, BTreeMap<usize, BTreeSet<Handle<Function>
 fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
     let library = origins.library;
     let mut linked: FxHashMap<&str, Vec<(usize, Handle<Function>)>> = FxHashMap::default();
-    for (handle, id) in origins.functions {
-        if let Some(name) = origins.names.get(id) {
-            linked.entry(name).or_default().push((id.0, *handle));
-        }
+    let functions = origins.module.functions.iter().zip(origins.functions);
+    for (((handle, _), id), name) in functions.zip(origins.names) {
+        linked.entry(name).or_default().push((id.0, handle));
     }
     let mut found = Implementations::new();
     for &interface in library.interfaces() {
@@ -112,7 +113,7 @@ fn implementations(origins: &Origins<'_>) -> Result<Implementations, Fault> {
 
 /// Pairs of calls in one module that call one function of another by two names.
 fn called_by_two_names<'a>(origins: &Origins<'a>) -> Vec<(&'a Call, &'a Call)> {
-    let linked: BTreeSet<_> = origins.functions.values().collect();
+    let linked: BTreeSet<_> = origins.functions.iter().collect();
     let mut first: BTreeMap<(usize, FunctionId), &Call> = BTreeMap::new();
     let mut twice = Vec::new();
     for call in origins.calls {
@@ -193,7 +194,7 @@ impl<'a> Graph<'a> {
         let mut nodes = Vec::new();
         let mut by_handle = FxHashMap::default();
         for (handle, function) in module.functions.iter() {
-            let home = origins.functions.get(&handle);
+            let home = origins.functions.get(handle.index());
             by_handle.insert(handle, nodes.len());
             nodes.push(node(home.map_or(origins.root, |id| id.0), function));
         }
@@ -208,9 +209,11 @@ impl<'a> Graph<'a> {
     }
 
     fn check_names(&self, first: &Call, second: &Call) -> Result<(), Fault> {
-        let handles = self.origins.functions.iter();
-        let function = handles.filter(|(_, id)| **id == first.target);
-        let reached = self.reached(&function.map(|(handle, _)| *handle).collect(), false);
+        let handles = self.origins.module.functions.iter();
+        let function = handles.map(|(handle, _)| handle);
+        let function =
+            function.filter(|h| self.origins.functions.get(h.index()) == Some(&first.target));
+        let reached = self.reached(&function.collect(), false);
         let outside = self.resources(|node| !reached.contains(&node));
         let inside = self.resources(|node| reached.contains(&node));
         let Some(shared) = inside.difference(&outside).next() else {
@@ -321,7 +324,7 @@ impl<'a> Graph<'a> {
     }
 
     fn is_by_interface(&self, module: usize, callee: Handle<Function>) -> bool {
-        let target = self.origins.functions.get(&callee);
+        let target = self.origins.functions.get(callee.index());
         let mut calls = self.origins.calls.iter();
         calls.any(|call| call.by_interface && call.module == module && Some(&call.target) == target)
     }
@@ -365,7 +368,7 @@ impl<'a> Graph<'a> {
     }
 
     fn name(&self, variable: Handle<GlobalVariable>) -> &str {
-        let item = self.origins.variables.get(&variable);
+        let item = self.origins.variables.get(variable.index());
         item.map_or("", |item| item.name.as_str())
     }
 
@@ -382,7 +385,7 @@ impl<'a> Graph<'a> {
     fn entry(&self, module: usize, parts: &BTreeSet<Handle<Function>>, label: &str) -> Place<'a> {
         let targets: Vec<_> = parts
             .iter()
-            .filter_map(|handle| self.origins.functions.get(handle))
+            .filter_map(|handle| self.origins.functions.get(handle.index()))
             .collect();
         let mut calls = self.origins.calls.iter();
         let call = calls.find(|call| targets.contains(&&call.target));

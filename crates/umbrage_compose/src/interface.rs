@@ -16,19 +16,19 @@ pub(crate) fn check(
     let interface = library.source(contract.0);
     let source = library.source(implementation.0);
     for (name, handle) in names {
-        let expected = written(library, contract.0, name);
+        let expected = || written(library, contract.0, name);
         let Some(own) = implementation.1.own_functions.get(name) else {
             let message = format!("`{}` does not implement `{}`", source.path, interface.path);
             let fault = Fault::new(Cause::Interface, message)
                 .at(source.place_labelled(0..0, format!("no `fn {name}` here")))
-                .note(format!("expected {expected}"));
+                .note(format!("expected {}", expected()));
             let known = implementation.1.own_functions.keys().map(String::as_str);
             return Err(match nearest(name, known) {
                 Some(near) => fault.note(format!("is `{near}` meant to be it?")),
                 None => fault,
             });
         };
-        if signature(contract.1, *handle) != signature(implementation.1, *own) {
+        if contract.1.signature(*handle) != implementation.1.signature(*own) {
             let message = format!(
                 "`{name}` does not have the signature that `{}` asks for",
                 interface.path
@@ -50,7 +50,7 @@ pub(crate) fn check(
                 None => fault.at(source.find(name)),
             };
             return Err(fault
-                .note(format!("expected {expected}"))
+                .note(format!("expected {}", expected()))
                 .note(format!("found    {found}")));
         }
     }
@@ -81,8 +81,10 @@ fn header_end(text: &str, start: usize) -> usize {
     start + text[start..end].trim_end().len()
 }
 
-/// The types of the function's parameters and result, in words that are the same in every unit.
-fn signature(unit: &Unit, handle: Handle<Function>) -> (Vec<String>, Option<String>) {
+/// Types of a function's parameters and result, in words that are the same in every unit.
+pub(crate) type Signature = (Vec<String>, Option<String>);
+
+pub(crate) fn signature(unit: &Unit, handle: Handle<Function>) -> Signature {
     let function = &unit.module.functions[handle];
     let arguments = function
         .arguments

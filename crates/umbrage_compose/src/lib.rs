@@ -54,7 +54,8 @@
 //!    order of the modules' paths: the same for everyone, always.
 //! 5. Naga validates the module against the target. Rules of our own (`rules`) check what naga does not: aliases,
 //!    flow, constants, stages, limits. Uniformity is decided by WGSL's specification (`uniformity`). Diagnostic
-//!    filters hold where their authors wrote them, and are printed again.
+//!    filters hold where their authors wrote them, and are printed again. A function that was found valid is not
+//!    checked again where its callees look the same to it (`checker`).
 //!
 //! Before any of that, a key is *projected*: following imports and bindings from the root notes each
 //! feature that is looked up and each binding that is needed, and choices that none of these depend on
@@ -139,8 +140,7 @@ mod words;
 
 pub use axes::{Axes, Axis};
 pub use cache::NAGA_VERSION;
-pub use checker::{Checked, Checker};
-pub use composer::{Composed, Composer, Nearness, Source};
+pub use composer::{Checked, Composed, Composer, Nearness, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use explain::{Explanation, Feature, Reason};
 pub use key::Key;

@@ -6,6 +6,7 @@ use std::{
     sync::{Arc, OnceLock, PoisonError, RwLock},
 };
 
+use naga::{ArraySize, Handle, Span, Type, TypeInner, UniqueArena};
 use rustc_hash::FxHashMap;
 use umbrage_hints::{did_you_mean, nearest};
 
@@ -34,6 +35,7 @@ struct Inner {
     by_path: HashMap<String, usize>,
     /// The modules that are interfaces.
     interfaces: Vec<usize>,
+    is_interface: Vec<bool>,
     axes: Axes,
     features: FeatureNames,
     table: OnceLock<Table>,
@@ -41,6 +43,8 @@ struct Inner {
     axes_files: Vec<SourceText>,
     /// Numbers of names, by which items are told apart faster than by text.
     names: RwLock<FxHashMap<String, u32>>,
+    /// Types of all modules, each once.
+    types: RwLock<UniqueArena<Type>>,
 }
 
 #[derive(Debug)]
@@ -124,20 +128,21 @@ impl Library {
                 }),
             };
         }
-        let interfaces = sources.iter().enumerate();
-        let interfaces = interfaces.filter(|(_, source)| source.is_interface());
-        let interfaces = interfaces.map(|(module, _)| module).collect();
+        let is_interface: Vec<_> = sources.iter().map(Source::is_interface).collect();
+        let interfaces = (0..sources.len()).filter(|module| is_interface[*module]);
         let library = Self(Arc::new(Inner {
             packages: entries,
             syntax: sources.iter().map(|_| OnceLock::new()).collect(),
             sources,
             by_path,
-            interfaces,
+            interfaces: interfaces.collect(),
+            is_interface,
             axes,
             features,
             table: OnceLock::new(),
             axes_files: packages.into_iter().filter_map(|p| p.axes).collect(),
             names: RwLock::default(),
+            types: RwLock::default(),
         }));
         library.check_axes()?;
         Ok(library)
@@ -258,6 +263,27 @@ impl Library {
         *names.entry(name.to_owned()).or_insert(next)
     }
 
+    /// Numbers of a module's `types`, whose structs have the `names`: equal types have equal numbers. A type that
+    /// depends on an override has none.
+    pub(crate) fn type_numbers(
+        &self,
+        types: &UniqueArena<Type>,
+        names: &[Option<String>],
+    ) -> Vec<Option<usize>> {
+        let mut known = self.0.types.write().unwrap_or_else(PoisonError::into_inner);
+        let mut numbers: Vec<Option<Handle<Type>>> = Vec::with_capacity(types.len());
+        for ((_, ty), name) in types.iter().zip(names) {
+            let inner = renumbered(&ty.inner, &numbers);
+            let ty = inner.map(|inner| Type {
+                name: name.clone(),
+                inner,
+            });
+            numbers.push(ty.map(|ty| known.insert(ty, Span::UNDEFINED)));
+        }
+        let numbers = numbers.into_iter();
+        numbers.map(|ty| ty.map(|ty| ty.index())).collect()
+    }
+
     pub(crate) fn features(&self) -> &FeatureNames {
         &self.0.features
     }
@@ -277,6 +303,10 @@ impl Library {
     /// The modules that are interfaces, by number.
     pub(crate) fn interfaces(&self) -> &[usize] {
         &self.0.interfaces
+    }
+
+    pub(crate) fn is_interface(&self, module: usize) -> bool {
+        self.0.is_interface[module]
     }
 
     pub(crate) fn source(&self, module: usize) -> &Source {
@@ -435,6 +465,35 @@ impl Library {
             }
         }
     }
+}
+
+/// `ty` with other handles for the types in it; none where one of them has none, or where it depends on an override.
+fn renumbered(ty: &TypeInner, handles: &[Option<Handle<Type>>]) -> Option<TypeInner> {
+    let other = |ty: &mut Handle<Type>| {
+        *ty = handles.get(ty.index()).copied().flatten()?;
+        Some(())
+    };
+    let mut ty = ty.clone();
+    match &mut ty {
+        TypeInner::Array {
+            size: ArraySize::Pending(_),
+            ..
+        }
+        | TypeInner::BindingArray {
+            size: ArraySize::Pending(_),
+            ..
+        } => return None,
+        TypeInner::Pointer { base, .. }
+        | TypeInner::Array { base, .. }
+        | TypeInner::BindingArray { base, .. } => other(base)?,
+        TypeInner::Struct { members, .. } => {
+            for member in members {
+                other(&mut member.ty)?;
+            }
+        }
+        _ => {}
+    }
+    Some(ty)
 }
 
 /// `packages`, and those that they name by a path, sorted by name.

@@ -9,21 +9,22 @@ use std::{
 };
 
 use naga::{
-    Arena, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module,
-    Override, Statement, Type, TypeInner,
+    Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
+    Statement, Type, TypeInner,
 };
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library, bindings,
+    bits::Bits,
     diagnostics::Filters,
     instances::{self, Call},
     interface,
     library::Request,
     names::Item,
     overrides,
-    reach::{DEEPEST_CALLS, FunctionId, Program, Reach, reach},
-    unit::{Unit, private_roots},
+    reach::{DEEPEST_CALLS, FunctionId, Program, Reach},
+    unit::{Facts, Unit},
 };
 
 /// What to start from.
@@ -38,8 +39,10 @@ pub(crate) enum Roots {
 /// The declarations that a linked module's parts came from.
 #[derive(Debug)]
 pub(crate) struct Origins {
-    pub(crate) owners: FxHashMap<Handle<GlobalVariable>, Item>,
-    pub(crate) functions: FxHashMap<Handle<Function>, FunctionId>,
+    /// By the variables' indices.
+    pub(crate) owners: Vec<Item>,
+    /// By the functions' indices.
+    pub(crate) functions: Vec<FunctionId>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
     /// Diagnostic filters of each module that something was copied from.
     pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
@@ -50,36 +53,40 @@ pub(crate) trait Units {
     fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault>;
 }
 
-/// Links what `request` asks for.
+/// Links what is in `reach` of the root module of `targets`. Of what is known to be valid, it is not checked again
+/// whether implementations share state.
 pub(crate) fn link(
-    library: &Library,
-    request: &Request,
-    units: &dyn Units,
+    targets: &Targets<'_>,
+    reach: &Reach,
     roots: Roots,
+    is_known: bool,
 ) -> Result<(Module, Origins), Fault> {
-    let targets = Targets {
-        library,
-        request,
-        units,
-        taken: vec![OnceCell::new(); library.sources().len()],
-        known: RefCell::default(),
-        checked: RefCell::default(),
-    };
-    let reach = reach(&targets, request.root, roots)?;
+    let mut without = FxHashMap::default();
+    for (&module, left_out) in &reach.left_out {
+        let unit = targets.unit(module)?;
+        without.insert(module, unit.without(targets.library, module, left_out));
+    }
     let linker = Linker {
         targets,
-        reach,
-        roots,
+        without,
         out: Module::default(),
-        maps: FxHashMap::default(),
-        functions: FxHashMap::default(),
+        origins: Vec::new(),
+        owners: Vec::new(),
+        functions: with_room(),
         under_way: Vec::new(),
+        types: Vec::new(),
+        copies: Copies::default(),
         globals: FxHashMap::default(),
         constants: FxHashMap::default(),
         overrides: FxHashMap::default(),
         own_names: FxHashSet::default(),
     };
-    linker.link()
+    linker.link(roots, is_known)
+}
+
+/// A map with room for the functions of a large shader: growing it bit by bit takes as long as filling it.
+pub(crate) fn with_room<K, V>() -> FxHashMap<K, V> {
+    FxHashMap::with_capacity_and_hasher(64, FxBuildHasher)
 }
 
 /// Finds what calls lead to, through the interfaces' bindings.
@@ -87,9 +94,12 @@ pub(crate) struct Targets<'a> {
     pub(crate) library: &'a Library,
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
-    /// The units that were asked for.
+    /// The units that were looked at.
     taken: Vec<OnceCell<Arc<Unit>>>,
-    known: RefCell<FxHashMap<FunctionId, FunctionId>>,
+    /// Those of them that are part of the permutation.
+    parts: RefCell<Bits>,
+    /// Calls from module to module, and what they lead to.
+    pub(crate) known: RefCell<FxHashMap<FunctionId, FunctionId>>,
     checked: RefCell<FxHashSet<usize>>,
 }
 
@@ -99,6 +109,46 @@ impl Program for Targets<'_> {
     }
 
     fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
+        let unit = self.look(module)?;
+        self.parts.borrow_mut().insert(module);
+        Ok(unit)
+    }
+
+    fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
+        let unit = self.unit(called.0)?;
+        let (home, name) = unit.called[called.1.index()];
+        if home as usize == called.0 {
+            return Ok(called);
+        }
+        if let Some(target) = self.known.borrow().get(&called) {
+            return Ok(*target);
+        }
+        let item = &unit.functions[called.1.index()];
+        let module = self.implementation(called.0, item)?;
+        let target = match self.unit(module)?.by_number.get(&name) {
+            Some(handle) => (module, *handle),
+            None => return Err(self.not_callable(called.0, module, item)),
+        };
+        self.known.borrow_mut().insert(called, target);
+        Ok(target)
+    }
+}
+
+impl<'a> Targets<'a> {
+    pub(crate) fn new(library: &'a Library, request: &'a Request, units: &'a dyn Units) -> Self {
+        Self {
+            library,
+            request,
+            units,
+            taken: vec![OnceCell::new(); library.sources().len()],
+            parts: RefCell::default(),
+            known: RefCell::new(with_room()),
+            checked: RefCell::default(),
+        }
+    }
+
+    /// The unit of `module`, which is no part of the permutation for that alone.
+    pub(crate) fn look(&self, module: usize) -> Result<&Arc<Unit>, Fault> {
         match self.taken[module].get() {
             Some(unit) => Ok(unit),
             None => {
@@ -108,37 +158,12 @@ impl Program for Targets<'_> {
         }
     }
 
-    fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
-        if let Some(target) = self.known.borrow().get(&called) {
-            return Ok(*target);
-        }
-        let unit = self.unit(called.0)?;
-        let item = &unit.functions[&called.1];
-        let target = if item.module == called.0 {
-            called
-        } else {
-            let module = self.implementation(called.0, item)?;
-            let other = self.unit(module)?;
-            match other.own_functions.get(&item.name) {
-                Some(handle) => (module, *handle),
-                None => return Err(self.not_callable(called.0, module, item)),
-            }
-        };
-        self.known.borrow_mut().insert(called, target);
-        Ok(target)
-    }
-}
-
-impl Targets<'_> {
     /// Calls from module to module that were followed, ordered by the calling module and the names that it calls by.
     fn calls(&self) -> Result<Vec<Call>, Fault> {
         let mut calls = Vec::new();
         for (&(module, called), &target) in self.known.borrow().iter() {
-            if target.0 == module {
-                continue;
-            }
             let unit = self.unit(module)?;
-            let item = &unit.functions[&called];
+            let item = &unit.functions[called.index()];
             let name = unit.module.functions[called].name.clone();
             let name = name.unwrap_or_default();
             calls.push(Call {
@@ -155,8 +180,7 @@ impl Targets<'_> {
 
     /// The module that has `item`'s body: of an interface's function, the one that is bound.
     fn implementation(&self, caller: usize, item: &Item) -> Result<usize, Fault> {
-        let source = self.library.source(item.module);
-        if !source.is_interface() {
+        if !self.library.is_interface(item.module) {
             return Ok(item.module);
         }
         match self.request.bindings.get(&item.module) {
@@ -172,7 +196,8 @@ impl Targets<'_> {
                 Ok(bound)
             }
             None => {
-                let message = format!("nothing is bound to the interface `{}`", source.path);
+                let path = &self.library.source(item.module).path;
+                let message = format!("nothing is bound to the interface `{path}`");
                 Err(Fault::new(Cause::Interface, message)
                     .at(self.library.source(caller).find(&item.name))
                     .note("bind a module that implements it; bind the interface to itself for its null object"))
@@ -192,24 +217,32 @@ impl Targets<'_> {
     }
 }
 
-/// What of a unit has been copied.
+/// Copies of what has no name of its own, or another name in each module that it is copied from.
 #[derive(Default)]
-pub(crate) struct Maps {
-    pub(crate) types: Vec<Option<Handle<Type>>>,
-    pub(crate) constants: FxHashMap<Handle<Constant>, Handle<Constant>>,
-    pub(crate) overrides: FxHashMap<Handle<Override>, Handle<Override>>,
-    pub(crate) expressions: FxHashMap<Handle<Expression>, Handle<Expression>>,
+pub(crate) struct Copies {
+    /// Types without a number.
+    pub(crate) types: FxHashMap<(usize, Handle<Type>), Handle<Type>>,
+    pub(crate) constants: FxHashMap<(usize, Handle<Constant>), Handle<Constant>>,
+    pub(crate) overrides: FxHashMap<(usize, Handle<Override>), Handle<Override>>,
+    pub(crate) globals: FxHashMap<(usize, Handle<GlobalVariable>), Handle<GlobalVariable>>,
+    pub(crate) expressions: FxHashMap<(usize, Handle<Expression>), Handle<Expression>>,
 }
 
 pub(crate) struct Linker<'a> {
-    pub(crate) targets: Targets<'a>,
-    reach: Reach,
-    roots: Roots,
+    pub(crate) targets: &'a Targets<'a>,
+    /// Units of which something is left out, as they are then.
+    without: FxHashMap<usize, Arc<Unit>>,
     pub(crate) out: Module,
-    pub(crate) maps: FxHashMap<usize, Maps>,
+    /// What each copied function came from.
+    origins: Vec<FunctionId>,
+    /// What each copied variable came from.
+    pub(crate) owners: Vec<Item>,
     functions: FxHashMap<FunctionId, Handle<Function>>,
     /// The functions being copied, outermost first, for telling of recursion.
     under_way: Vec<FunctionId>,
+    /// Copies of types by their numbers.
+    pub(crate) types: Vec<Option<Handle<Type>>>,
+    pub(crate) copies: Copies,
     pub(crate) globals: FxHashMap<Item, Handle<GlobalVariable>>,
     pub(crate) constants: FxHashMap<Item, Handle<Constant>>,
     pub(crate) overrides: FxHashMap<Item, Handle<Override>>,
@@ -218,63 +251,66 @@ pub(crate) struct Linker<'a> {
 }
 
 impl Linker<'_> {
-    fn link(mut self) -> Result<(Module, Origins), Fault> {
-        let root = self.targets.request.root;
-        let unit = self.targets.unit(root)?.clone();
-        if self.roots == Roots::Declarations {
+    fn link(mut self, roots: Roots, is_known: bool) -> Result<(Module, Origins), Fault> {
+        let targets = self.targets;
+        let (library, root) = (targets.library, targets.request.root);
+        let unit = self.unit(root)?;
+        if roots == Roots::Declarations {
             self.declarations(root, &unit)?;
         }
-        for entry in &unit.module.entry_points {
-            self.entry_point(root, &unit, entry)?;
+        for (entry, facts) in unit.module.entry_points.iter().zip(&unit.entry_facts) {
+            self.entry_point(root, &unit, (entry, facts))?;
         }
-        for (module, maps) in &self.maps {
-            let unit = self.targets.unit(*module)?;
-            for (kind, handle) in &unit.module.special_types.predeclared_types {
-                if let Some(copied) = maps.types.get(handle.index()).copied().flatten() {
-                    self.out
-                        .special_types
-                        .predeclared_types
-                        .insert(kind.clone(), copied);
+        let parts = targets.parts.borrow().clone();
+        for module in parts.iter() {
+            let unit = self.unit(module)?;
+            for (kind, ty) in &unit.module.special_types.predeclared_types {
+                let number = unit.type_numbers[ty.index()];
+                let copied = number.and_then(|number| self.types.get(number).copied().flatten());
+                if let Some(copied) = copied {
+                    let predeclared = &mut self.out.special_types.predeclared_types;
+                    predeclared.insert(kind.clone(), copied);
                 }
             }
         }
-        let functions = places(&self.functions, &self.out.functions);
-        let globals = places(&self.globals, &self.out.global_variables);
-        let overrides = places(&self.overrides, &self.out.overrides);
-        if self.reach.left_out {
-            // What stores and calls left behind would be computed for nothing.
-            naga::compact::compact(&mut self.out, naga::compact::KeepUnused::No);
-        }
-        let library = self.targets.library;
-        let overrides = owners(overrides, &self.out.overrides);
+        let overrides = self.overrides.into_iter();
+        let overrides = overrides.map(|(item, handle)| (handle, item)).collect();
         overrides::check(library, root, &self.out, &overrides)?;
-        let functions = owners(functions, &self.out.functions);
-        let owners = owners(globals, &self.out.global_variables);
-        let mut names = FxHashMap::default();
-        for id in functions.values() {
-            let unit = self.targets.unit(id.0)?;
-            names.insert(*id, unit.functions[&id.1].name.clone());
+        if !is_known {
+            let mut names = Vec::with_capacity(self.origins.len());
+            for id in &self.origins {
+                names.push(targets.unit(id.0)?.functions[id.1.index()].name.as_str());
+            }
+            instances::check(&instances::Origins {
+                library,
+                root,
+                module: &self.out,
+                functions: &self.origins,
+                names: &names,
+                variables: &self.owners,
+                calls: &targets.calls()?,
+            })?;
         }
-        instances::check(&instances::Origins {
-            library,
-            root,
-            module: &self.out,
-            functions: &functions,
-            names: &names,
-            variables: &owners,
-            calls: &self.targets.calls()?,
-        })?;
-        bindings::allocate(library, &mut self.out, &owners)?;
-        let taken = self.targets.taken.into_iter().enumerate();
-        let filters =
-            taken.filter_map(|(module, unit)| Some((module, unit.into_inner()?.filters.clone())));
+        bindings::allocate(library, &mut self.out, &self.owners)?;
+        let mut filters = FxHashMap::default();
+        for module in parts.iter() {
+            filters.insert(module, targets.unit(module)?.filters().clone());
+        }
         let origins = Origins {
-            owners,
-            functions,
+            owners: self.owners,
+            functions: self.origins,
             overrides,
-            filters: filters.collect(),
+            filters,
         };
         Ok((self.out, origins))
+    }
+
+    /// The unit of `module`, without what is left out of it.
+    pub(crate) fn unit(&self, module: usize) -> Result<Arc<Unit>, Fault> {
+        match self.without.get(&module) {
+            Some(unit) => Ok(unit.clone()),
+            None => self.targets.unit(module).cloned(),
+        }
     }
 
     fn declarations(&mut self, root: usize, unit: &Arc<Unit>) -> Result<(), Fault> {
@@ -328,7 +364,7 @@ impl Linker<'_> {
         &mut self,
         root: usize,
         unit: &Arc<Unit>,
-        entry: &EntryPoint,
+        (entry, facts): (&EntryPoint, &Facts),
     ) -> Result<(), Fault> {
         let workgroup_size_overrides = match entry.workgroup_size_overrides {
             Some(sizes) => {
@@ -354,11 +390,17 @@ impl Linker<'_> {
                 .source(root)
                 .find(&entry.name)));
         }
-        let function = self.body(root, unit, &entry.function)?;
+        let function = self.body(root, unit, (&entry.function, facts))?;
         self.out.entry_points.push(EntryPoint {
-            function,
+            name: entry.name.clone(),
+            stage: entry.stage,
+            early_depth_test: entry.early_depth_test,
+            workgroup_size: entry.workgroup_size,
             workgroup_size_overrides,
-            ..entry.clone()
+            function,
+            mesh_info: None,
+            task_payload: None,
+            incoming_ray_payload: entry.incoming_ray_payload,
         });
         Ok(())
     }
@@ -378,26 +420,31 @@ impl Linker<'_> {
                 .note("let functions of this module call fewer of each other"));
         }
         self.under_way.push(id);
-        let unit = self.targets.unit(id.0)?.clone();
-        let original = &unit.module.functions[id.1];
+        let unit = self.unit(id.0)?;
+        let original = (&unit.module.functions[id.1], &unit.facts[id.1.index()]);
         let mut function = self.body(id.0, &unit, original)?;
-        function.name = self.free_name(id.0, &function.name);
+        self.rename(id.0, &mut function.name);
         self.under_way.pop();
-        let span = self.shifted(id.0, unit.module.functions.get_span(id.1));
+        let span = self.shifted(id.0, &unit, unit.module.functions.get_span(id.1));
         let handle = self.out.functions.append(function, span);
         self.functions.insert(id, handle);
+        self.origins.push(id);
         Ok(handle)
     }
 
-    /// `name`, or another where the root module has it for itself.
-    pub(crate) fn free_name(&self, module: usize, name: &Option<String>) -> Option<String> {
-        let mut name = name.clone()?;
-        let path = &self.targets.library.source(module).path;
-        let last = path.rsplit("::").next().unwrap_or("");
-        while module != self.targets.request.root && self.own_names.contains(&name) {
-            name = format!("{last}_{name}");
+    /// Gives another name where the root module has `name` for itself.
+    pub(crate) fn rename(&self, module: usize, name: &mut Option<String>) {
+        let Some(name) = name
+            .as_mut()
+            .filter(|_| module != self.targets.request.root)
+        else {
+            return;
+        };
+        while self.own_names.contains(name) {
+            let path = &self.targets.library.source(module).path;
+            let last = path.rsplit("::").next().unwrap_or("");
+            *name = format!("{last}_{name}");
         }
-        Some(name)
     }
 
     fn recursion(&self, start: usize) -> Fault {
@@ -415,12 +462,12 @@ impl Linker<'_> {
         fault.note("WGSL has no recursion: let one of them do without the next")
     }
 
-    /// A clone of `original` with its outside handles put right, and without what is dead.
+    /// A clone of `original` with its outside handles put right.
     fn body(
         &mut self,
         module: usize,
         unit: &Arc<Unit>,
-        original: &Function,
+        (original, facts): (&Function, &Facts),
     ) -> Result<Function, Fault> {
         let mut function = original.clone();
         for argument in &mut function.arguments {
@@ -432,17 +479,10 @@ impl Linker<'_> {
         for (_, local) in function.local_variables.iter_mut() {
             local.ty = self.ty(module, unit, local.ty)?;
         }
-        let roots = private_roots(&unit.module, original);
-        let dead: Vec<_> = roots
-            .iter()
-            .map(|root| {
-                root.is_some_and(|global| {
-                    let number = unit.globals[&global].number(self.targets.library);
-                    !self.reach.reads.contains(&number)
-                })
-            })
-            .collect();
-        self.block(module, &dead, &mut function.body)?;
+        self.block(module, &mut function.body)?;
+        for other in &facts.names {
+            self.targets.unit(*other)?;
+        }
         for (_, expression) in function.expressions.iter_mut() {
             self.outside(module, unit, expression)?;
         }
@@ -474,40 +514,19 @@ impl Linker<'_> {
         Ok(())
     }
 
-    /// Puts the calls of `block` right, and leaves out what has no effect: `dead` tells the
-    /// expressions that lead into variables which nothing reads.
-    fn block(&mut self, module: usize, dead: &[bool], block: &mut Block) -> Result<(), Fault> {
-        let mut kept = Vec::new();
-        for index in 0..block.len() {
-            let keep = match &mut block[index] {
-                Statement::Store { pointer, .. } => !dead[pointer.index()],
-                Statement::Call {
-                    function, result, ..
-                } => {
-                    let target = self.targets.target((module, *function))?;
-                    let keep = result.is_some() || !self.reach.idle.contains(&target);
-                    if keep {
-                        *function = self.function(target)?;
-                    }
-                    keep
-                }
-                _ => true,
-            };
-            kept.push(keep);
-        }
-        if kept.contains(&false) {
-            let whole = std::mem::take(block);
-            for ((statement, span), keep) in whole.span_into_iter().zip(kept) {
-                if keep {
-                    block.push(statement, span);
-                }
+    /// Puts the calls of `block` right: its own, and then those of the blocks within it.
+    fn block(&mut self, module: usize, block: &mut Block) -> Result<(), Fault> {
+        for statement in block.iter_mut() {
+            if let Statement::Call { function, .. } = statement {
+                let target = self.targets.target((module, *function))?;
+                *function = self.function(target)?;
             }
         }
         for statement in block.iter_mut() {
             let mut result = Ok(());
             crate::unit::for_each_block(statement, &mut |inner| {
                 if result.is_ok() {
-                    result = self.block(module, dead, inner);
+                    result = self.block(module, inner);
                 }
             });
             result?;
@@ -515,24 +534,3 @@ impl Linker<'_> {
         Ok(())
     }
 }
-
-/// Place of each item's copy. It still identifies the copy after compaction has renumbered `copies`.
-fn places<K: Clone, T>(items: &FxHashMap<K, Handle<T>>, copies: &Arena<T>) -> FxHashMap<Place, K> {
-    let items = items.iter();
-    items
-        .filter_map(|(item, handle)| Some((copies.get_span(*handle).to_range()?, item.clone())))
-        .collect()
-}
-
-/// The item that each of `copies` came from.
-fn owners<K, T>(mut places: FxHashMap<Place, K>, copies: &Arena<T>) -> FxHashMap<Handle<T>, K> {
-    let copies = copies
-        .iter()
-        .map(|(handle, _)| (handle, copies.get_span(handle)));
-    copies
-        .filter_map(|(handle, span)| Some((handle, places.remove(&span.to_range()?)?)))
-        .collect()
-}
-
-/// A range in the concatenated texts of the library.
-type Place = std::ops::Range<usize>;

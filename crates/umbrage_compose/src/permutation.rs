@@ -1,19 +1,24 @@
 //! Permutations: linked, validated, and reflected.
 
+use std::sync::OnceLock;
+
 use naga::{
-    Module, Statement, WithSpan,
+    EntryPoint, GlobalVariable, Handle, Module, Statement, WithSpan,
     back::pipeline_constants::PipelineConstantError,
     valid::{
-        EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
+        Capabilities, EntryPointError, FunctionError, GlobalUse, ModuleInfo, ValidationError,
+        ValidationFlags, Validator,
     },
 };
+
+use rustc_hash::FxHashSet;
 
 use crate::{
     Cause, Error, Fault, Key, Library, Pass, Reflection, Target,
     diagnostics::{Places, Written},
     lacking,
     link::Origins,
-    names::Item,
+    names::{Item, ItemNumber},
     overrides,
     reflect::reflect,
     rules::Subject,
@@ -30,15 +35,19 @@ pub struct Permutation {
     /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
     /// code that its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
-    /// What naga's validator found out.
-    pub info: ModuleInfo,
     /// What it asks of its host.
     pub reflection: Reflection,
     /// Warnings about the shader: breaches that the authors' diagnostic filters make less than an error, and rules
     /// that WGSL does not have.
     pub warnings: Vec<String>,
     pub(crate) written: Written,
+    pub(crate) capabilities: Capabilities,
+    /// What naga's validator found out, once it was asked.
+    pub(crate) info: OnceLock<ModuleInfo>,
 }
+
+/// Variables that each entry point uses, directly or not.
+pub(crate) type Uses = Vec<FxHashSet<ItemNumber>>;
 
 impl Permutation {
     pub(crate) fn new(
@@ -55,14 +64,18 @@ impl Permutation {
             module: &module,
         };
         let constants = subject.check_before_validation()?;
-        let info = validate(&module, target)
+        let info = validate(&module, target.capabilities())
             .map_err(|error| validation_fault(library, target, (root, &module), &error))?;
         let declared = |item: &Item| (library.source(item.module).path.clone(), item.name.clone());
         let settable = overrides::reflect(&module, &info, |handle| {
             origins.overrides.get(&handle).map(declared)
         });
-        let owner = |handle| origins.owners.get(&handle).map(declared);
-        let reflection = reflect(&module, &info, owner, settable);
+        let owner =
+            |handle: Handle<GlobalVariable>| origins.owners.get(handle.index()).map(declared);
+        let used =
+            |entry: usize, variable| info.get_entry_point(entry)[variable] != GlobalUse::empty();
+        let size = |entry: &EntryPoint| overrides::workgroup_size(&module, &info, entry);
+        let reflection = reflect(&module, used, owner, settable, size);
         subject.check(&info, &reflection, &constants)?;
         let places = Places {
             library,
@@ -81,10 +94,61 @@ impl Permutation {
             pass: library.axes().pass(&key),
             key,
             module,
-            info,
             reflection,
             written,
+            capabilities: target.capabilities(),
+            info: OnceLock::from(info),
         })
+    }
+
+    /// A permutation that is known to be valid, and has no overrides. `uses` was known with it.
+    pub(crate) fn of_valid(
+        library: &Library,
+        target: &Target,
+        key: Key,
+        (module, origins): (Module, Origins),
+        uses: &Uses,
+    ) -> Self {
+        let owners = origins.owners.iter();
+        let numbers: Vec<_> = owners.map(|item| item.number(library)).collect();
+        let used = |entry: usize, variable: Handle<GlobalVariable>| {
+            uses[entry].contains(&numbers[variable.index()])
+        };
+        let owner = |variable: Handle<GlobalVariable>| {
+            let item = origins.owners.get(variable.index())?;
+            Some((library.source(item.module).path.clone(), item.name.clone()))
+        };
+        let size = |entry: &EntryPoint| entry.workgroup_size;
+        let places = Places {
+            library,
+            filters: &origins.filters,
+        };
+        Self {
+            pass: library.axes().pass(&key),
+            key,
+            reflection: reflect(&module, used, owner, Vec::new(), size),
+            warnings: Vec::new(),
+            written: Written::new(&module, &places),
+            capabilities: target.capabilities(),
+            info: OnceLock::new(),
+            module,
+        }
+    }
+
+    /// What naga's validator finds out. A permutation of parts that were found valid before is not validated until
+    /// this is asked for: its text and its SPIR-V are written by it.
+    ///
+    /// # Errors
+    /// None, but for a defect of the composer's.
+    pub fn info(&self) -> Result<&ModuleInfo, Error> {
+        if let Some(info) = self.info.get() {
+            return Ok(info);
+        }
+        let info = validate(&self.module, self.capabilities).map_err(|error| {
+            let message = format!("not valid, though all its parts are: {}", error.as_inner());
+            Fault::new(Cause::Validation, message).key(&self.key)
+        })?;
+        Ok(self.info.get_or_init(|| info))
     }
 
     /// The shader as WGSL. Entry points, overrides and structs' members have their authors' names, and so does
@@ -93,7 +157,7 @@ impl Permutation {
     /// # Errors
     /// Where naga cannot say it in WGSL.
     pub fn wgsl(&self) -> Result<String, Error> {
-        wgsl::write(&self.module, &self.info, &self.written)
+        wgsl::write(&self.module, self.info()?, &self.written)
             .map_err(|error| self.unwritable("WGSL", &error))
     }
 
@@ -109,7 +173,7 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let (module, info) = overrides::resolved(&self.module, &self.info)
+        let (module, info) = overrides::resolved(&self.module, self.info()?)
             .map_err(|error| self.unresolved(&error))?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
@@ -181,14 +245,14 @@ fn wgsl_fault(
     }
 }
 
-/// Validates against what `target` offers.
+/// Validates against what a target offers.
 pub(crate) fn validate(
     module: &Module,
-    target: &Target,
+    capabilities: Capabilities,
 ) -> Result<ModuleInfo, WithSpan<ValidationError>> {
     // Naga's uniformity analysis differs from the specification's, which `uniformity` follows.
     let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
-    Validator::new(flags, target.capabilities()).validate(module)
+    Validator::new(flags, capabilities).validate(module)
 }
 
 fn validation_fault(

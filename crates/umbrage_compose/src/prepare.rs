@@ -16,7 +16,7 @@ use crate::{
     features::{Consulted, Features},
     names::{self, Item, Meaning, Translations, declared},
     stubs::{self, JOINT, Stubs},
-    translate::{Translated, translate},
+    translate::{Translated, TranslatedModules},
 };
 
 /// A module's text, ready for naga.
@@ -49,9 +49,11 @@ pub(crate) fn prepare(
     library: &Library,
     module: usize,
     features: &Features<'_>,
+    modules: &TranslatedModules,
 ) -> Result<Prepared, Fault> {
     let mut translations = Cached {
         library,
+        modules,
         features,
         done: HashMap::new(),
         consulted: Consulted::default(),
@@ -165,9 +167,10 @@ fn is_function(translated: &Translated, name: &str) -> bool {
     })
 }
 
-/// Translations under some features, each made once, and what they consulted.
+/// Translations under some features, and what they consulted.
 struct Cached<'a> {
     library: &'a Library,
+    modules: &'a TranslatedModules,
     features: &'a Features<'a>,
     done: HashMap<usize, Arc<Translated>>,
     consulted: Consulted,
@@ -178,12 +181,7 @@ impl Translations for Cached<'_> {
         if let Some(done) = self.done.get(&module) {
             return Ok(done.clone());
         }
-        let source = self.library.source(module);
-        let translated = Arc::new(translate(
-            source,
-            self.library.syntax(module)?,
-            self.features,
-        )?);
+        let translated = self.modules.get(self.library, module, self.features)?;
         self.consulted.union(&translated.consulted);
         self.done.insert(module, translated.clone());
         Ok(translated)
@@ -202,10 +200,9 @@ fn written_paths(tokens: &[(Token, Range<usize>)], blanks: &[Range<usize>]) -> V
     let mut index = 0;
     while index + 2 < tokens.len() {
         let start = &tokens[index].1;
-        let blank = blanks
-            .iter()
-            .any(|blank| blank.start <= start.start && start.end <= blank.end);
-        if blank || tokens[index + 1].0 != Token::SymColonColon {
+        let is_path = tokens[index + 1].0 == Token::SymColonColon;
+        let mut blanks = blanks.iter();
+        if !is_path || blanks.any(|blank| blank.start <= start.start && start.end <= blank.end) {
             index += 1;
             continue;
         }

@@ -4,10 +4,11 @@
 //! interface whose binding is needed is noted. Two keys that give the same answers are one
 //! permutation, known before anything is linked.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 use crate::{
-    Fault, Key, Library, bits::Bits, features::Consulted, library::Request, prepare::Prepared,
+    Fault, Key, Library, bits::Bits, composer::Entry, features::Consulted, library::Request,
+    prepare::Prepared,
 };
 
 /// What a request's permutation depends on.
@@ -15,15 +16,21 @@ use crate::{
 pub(crate) struct Dependencies {
     /// The modules that are read, in the order of their numbers.
     pub(crate) modules: Bits,
+    /// The same, as they were read.
+    pub(crate) entries: Vec<(usize, Arc<Entry>)>,
     /// The features that were looked up.
     pub(crate) consulted: Consulted,
     /// The interfaces whose binding is needed.
     pub(crate) interfaces: BTreeSet<usize>,
 }
 
-/// Gives prepared modules.
+/// Reads modules.
 pub(crate) trait Modules {
-    fn prepared(&self, module: usize) -> Result<std::sync::Arc<Prepared>, Fault>;
+    fn read(&self, module: usize) -> Arc<Entry>;
+
+    fn prepared(&self, module: usize) -> Result<Arc<Prepared>, Fault> {
+        self.read(module).prepared.clone()
+    }
 }
 
 /// Dependencies of the permutation that `request` asks for; with a fault, those found up to it.
@@ -38,9 +45,10 @@ pub(crate) fn dependencies(
             continue;
         }
         found.modules.insert(module);
-        let prepared = match modules.prepared(module) {
+        let entry = modules.read(module);
+        let prepared = match &entry.prepared {
             Ok(prepared) => prepared,
-            Err(fault) => return (found, Err(fault)),
+            Err(fault) => return (found, Err(fault.clone())),
         };
         found.consulted.union(&prepared.consulted);
         waiting.extend(&prepared.modules);
@@ -48,6 +56,7 @@ pub(crate) fn dependencies(
             found.interfaces.insert(interface);
             waiting.extend(request.bindings.get(&interface));
         }
+        found.entries.push((module, entry));
     }
     (found, Ok(()))
 }

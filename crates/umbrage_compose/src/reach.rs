@@ -4,10 +4,10 @@
 //! it has no effect, nor has a call that does nothing but write it: both are left out, and what
 //! only they led to is never copied.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use naga::{Function, Handle};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library,
@@ -39,8 +39,17 @@ pub(crate) struct Reach {
     pub(crate) reads: FxHashSet<ItemNumber>,
     /// The functions that have no effect but their result.
     pub(crate) idle: FxHashSet<FunctionId>,
-    /// Whether anything is left out: a call, or a store to a private variable.
-    pub(crate) left_out: bool,
+    /// What is left out of modules, by module.
+    pub(crate) left_out: FxHashMap<usize, LeftOut>,
+}
+
+/// What of a module has no effect.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct LeftOut {
+    /// Private variables that nothing reads: stores into them are left out.
+    pub(crate) stores: BTreeSet<ItemNumber>,
+    /// Functions whose calls are left out where the result is unused.
+    pub(crate) calls: BTreeSet<Handle<Function>>,
 }
 
 pub(crate) fn reach(program: &impl Program, root: usize, roots: Roots) -> Result<Reach, Fault> {
@@ -57,7 +66,7 @@ pub(crate) fn reach(program: &impl Program, root: usize, roots: Roots) -> Result
             idle: FxHashSet::default(),
             seen: FxHashSet::default(),
             found: FxHashSet::default(),
-            left_out: false,
+            left_out: FxHashMap::default(),
         };
         let unit = walk.program.unit(root)?;
         for facts in &unit.entry_facts {
@@ -86,17 +95,17 @@ fn keep_all(program: &impl Program, root: usize) -> Result<Reach, Fault> {
         }
         let unit = program.unit(module)?;
         let library = program.library();
-        let globals = unit.globals.values();
+        let globals = unit.globals.iter();
         reach.reads.extend(globals.map(|item| item.number(library)));
-        for handle in unit.functions.keys() {
-            if unit.functions[handle].module != module {
+        for (handle, _) in unit.module.functions.iter() {
+            if unit.functions[handle.index()].module != module {
                 // A stand-in that nothing calls may be of an interface that nothing is bound to.
                 let called = unit.facts.iter().chain(&unit.entry_facts);
                 if called
                     .flat_map(|facts| &facts.calls)
-                    .any(|(callee, _)| callee == handle)
+                    .any(|(callee, _)| *callee == handle)
                 {
-                    modules.push(program.target((module, *handle))?.0);
+                    modules.push(program.target((module, handle))?.0);
                 }
             }
         }
@@ -110,7 +119,7 @@ struct Walk<'a, P> {
     idle: FxHashSet<FunctionId>,
     seen: FxHashSet<FunctionId>,
     found: FxHashSet<ItemNumber>,
-    left_out: bool,
+    left_out: FxHashMap<usize, LeftOut>,
 }
 
 impl<P: Program> Walk<'_, P> {
@@ -122,13 +131,20 @@ impl<P: Program> Walk<'_, P> {
                 .note("let functions of this module call fewer of each other"));
         }
         self.found.extend(&facts.reads);
-        let mut writes = facts.writes.iter();
-        self.left_out |= writes.any(|variable| !self.reads.contains(variable));
+        for variable in &facts.writes {
+            if !self.reads.contains(variable) {
+                let left_out = self.left_out.entry(module).or_default();
+                left_out.stores.insert(*variable);
+            }
+        }
         for &(callee, unused) in &facts.calls {
             let target = self.program.target((module, callee))?;
             // A call whose result is used is kept whatever else it does.
             let idle = unused && self.is_idle(target, &mut Vec::new())?;
-            self.left_out |= idle;
+            if idle {
+                let left_out = self.left_out.entry(module).or_default();
+                left_out.calls.insert(callee);
+            }
             if !idle && self.seen.insert(target) {
                 let unit = self.program.unit(target.0)?;
                 self.visit(target.0, &unit.facts[target.1.index()], depth + 1)?;

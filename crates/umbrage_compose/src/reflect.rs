@@ -3,11 +3,10 @@
 use naga::{
     AddressSpace, ArraySize, Binding as IoBinding, GlobalVariable, Handle, ImageClass,
     ImageDimension, Module, ScalarKind, ShaderStage, StorageAccess, Type, TypeInner,
-    valid::{GlobalUse, ModuleInfo},
 };
 use serde::{Deserialize, Serialize};
 
-use crate::overrides::{self, Override};
+use crate::overrides::Override;
 
 /// What a permutation asks of its host.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -217,13 +216,14 @@ pub enum MemberType {
     Struct(Layout),
 }
 
-/// Reflects a valid `module`. `owner` gives the module and name that a variable came from, `settable` the overrides
-/// that may be set.
+/// Reflects a valid `module`. `used` tells whether an entry point uses a variable, `owner` gives the module and name
+/// that a variable came from, `settable` the overrides that may be set, and `size` an entry point's workgroup size.
 pub(crate) fn reflect(
     module: &Module,
-    info: &ModuleInfo,
+    used: impl Fn(usize, Handle<GlobalVariable>) -> bool,
     owner: impl Fn(Handle<GlobalVariable>) -> Option<(String, String)>,
     settable: Vec<Override>,
+    size: impl Fn(&naga::EntryPoint) -> [u32; 3],
 ) -> Reflection {
     let entry_points = module.entry_points.iter().map(|entry| EntryPoint {
         name: entry.name.clone(),
@@ -232,7 +232,7 @@ pub(crate) fn reflect(
             ShaderStage::Vertex => vertex_inputs(module, entry),
             _ => Vec::new(),
         },
-        workgroup_size: overrides::workgroup_size(module, info, entry),
+        workgroup_size: size(entry),
     });
     let mut bindings: Vec<_> = module
         .global_variables
@@ -245,7 +245,7 @@ pub(crate) fn reflect(
                 binding: at.binding,
                 module: module_path,
                 name,
-                stages: used_in(module, info, handle),
+                stages: stages(module, |entry| used(entry, handle)),
                 kind: kind(module, global)?,
             })
         })
@@ -267,12 +267,13 @@ fn stage(stage: ShaderStage) -> Stage {
     }
 }
 
-fn used_in(module: &Module, info: &ModuleInfo, handle: Handle<GlobalVariable>) -> Vec<Stage> {
+/// Stages of the entry points that are `used`.
+fn stages(module: &Module, used: impl Fn(usize) -> bool) -> Vec<Stage> {
     let mut stages: Vec<_> = module
         .entry_points
         .iter()
         .enumerate()
-        .filter(|(index, _)| info.get_entry_point(*index)[handle] != GlobalUse::empty())
+        .filter(|(index, _)| used(*index))
         .map(|(_, entry)| stage(entry.stage))
         .collect();
     stages.sort();

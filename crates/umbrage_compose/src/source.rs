@@ -3,8 +3,9 @@
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use wgsl_parse::{
-    error::ErrorKind,
+    error::{Error as ParseError, ErrorKind},
     lexer::{Lexer, Token},
+    parser::TranslationUnitParser,
     syntax::{GlobalDeclaration, TranslationUnit},
 };
 
@@ -35,14 +36,11 @@ pub(crate) struct Syntax {
     pub(crate) tokens: Vec<(Token, Range<usize>)>,
     /// Names of all functions, whatever features they stand under.
     pub(crate) functions: BTreeSet<String>,
+    /// Whether it may have assertions.
+    pub(crate) asserts: bool,
 }
 
 impl Source {
-    /// Whether it may have assertions.
-    pub(crate) fn has_assertions(&self) -> bool {
-        self.text.contains("const_assert")
-    }
-
     pub(crate) fn place(&self, range: Range<usize>) -> Place<'_> {
         self.place_labelled(range, "")
     }
@@ -101,7 +99,12 @@ impl Source {
             });
         }
         let tokens = self.tokens()?;
-        let tree = wgsl_parse::parse_str(&self.text).map_err(|error| {
+        // The parser would find the tokens again, which takes it as long as all the rest.
+        let found = tokens
+            .iter()
+            .map(|(token, range)| (range.start, token.clone(), range.end));
+        let parsed = TranslationUnitParser::new().parse(found);
+        let tree = parsed.map_err(ParseError::from).map_err(|error| {
             let message = match &error.error {
                 ErrorKind::InvalidToken => "no token of WESL".to_owned(),
                 ErrorKind::UnexpectedToken { token, expected } => {
@@ -131,6 +134,7 @@ impl Source {
             .filter_map(|node| declared(node));
         Ok(Syntax {
             functions: functions.collect(),
+            asserts: self.text.contains("const_assert"),
             tree,
             tokens,
         })
@@ -188,6 +192,9 @@ impl Source {
     /// over what it does not know.
     fn check_gap(&self, range: Range<usize>) -> Result<(), Fault> {
         let mut rest = self.text.get(range.clone()).unwrap_or("");
+        if rest.bytes().all(|byte| byte.is_ascii_whitespace()) {
+            return Ok(());
+        }
         loop {
             rest = rest
                 .trim_start_matches(|c: char| c.is_whitespace() || "\u{200e}\u{200f}".contains(c));

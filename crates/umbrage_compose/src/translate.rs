@@ -3,7 +3,11 @@
 //! Nothing is deleted: what is disabled is blanked out with spaces, so that every byte that stays
 //! keeps its place and every span that naga gives is one in the author's file.
 
-use std::ops::Range;
+use std::{
+    cell::RefCell,
+    ops::Range,
+    sync::{Arc, PoisonError, RwLock},
+};
 
 use wgsl_parse::{
     lexer::Token,
@@ -11,13 +15,13 @@ use wgsl_parse::{
     syntax::{
         Attribute, AttributeNode, BinaryOperator, CompoundStatement, ContinuingStatement,
         Expression, ExpressionNode, Function, GlobalDeclaration, GlobalDeclarationNode,
-        GlobalDirective, ImportStatement, LiteralExpression, Statement, StatementNode,
+        GlobalDirective, ImportStatement, LiteralExpression, Statement, StatementNode, Struct,
         UnaryOperator,
     },
 };
 
 use crate::{
-    Cause, Fault,
+    Cause, Fault, Library,
     features::{Consulted, Features},
     source::{Source, Syntax},
 };
@@ -35,10 +39,66 @@ pub(crate) struct Translated {
     pub(crate) blanks: Vec<Range<usize>>,
     /// The features that were looked up, with what was found.
     pub(crate) consulted: Consulted,
+    /// The same, in the order of the first questions.
+    pub(crate) asked: Vec<usize>,
+}
+
+/// Translations of a library's modules, each made once for all features that agree on what it consults.
+#[derive(Debug)]
+pub(crate) struct TranslatedModules(Vec<RwLock<Vec<Arc<Translated>>>>);
+
+impl TranslatedModules {
+    pub(crate) fn new(library: &Library) -> Self {
+        Self(
+            library
+                .sources()
+                .iter()
+                .map(|_| RwLock::default())
+                .collect(),
+        )
+    }
+
+    /// The module of `library` under `features`, of which those that it consults count as asked for.
+    pub(crate) fn get(
+        &self,
+        library: &Library,
+        module: usize,
+        features: &Features<'_>,
+    ) -> Result<Arc<Translated>, Fault> {
+        let agrees = |known: &&Arc<Translated>| {
+            let mut found = features.enabled.clone();
+            found.intersect(&known.consulted.asked);
+            found == known.consulted.found
+        };
+        let all = self.0[module]
+            .read()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = all.iter().find(agrees) {
+            features.ask(&known.asked);
+            return Ok(known.clone());
+        }
+        drop(all);
+        let asked = RefCell::default();
+        let own = Features {
+            asked: &asked,
+            ..*features
+        };
+        let made = translate(library.source(module), library.syntax(module)?, &own);
+        let asked = asked.into_inner();
+        features.ask(&asked);
+        let made = Arc::new(Translated { asked, ..made? });
+        let mut all = self.0[module]
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        if !all.iter().any(|known| agrees(&known)) {
+            all.push(made.clone());
+        }
+        Ok(made)
+    }
 }
 
 /// Translates `source` under `features`.
-pub(crate) fn translate(
+fn translate(
     source: &Source,
     syntax: &Syntax,
     features: &Features<'_>,
@@ -120,8 +180,11 @@ impl Translator<'_> {
     ) -> Result<GlobalDeclarationNode, Fault> {
         let declaration = match node.node() {
             GlobalDeclaration::Struct(item) => {
-                let mut kept = item.clone();
-                kept.members.clear();
+                let mut kept = Struct {
+                    attributes: item.attributes.clone(),
+                    ident: item.ident.clone(),
+                    members: Vec::new(),
+                };
                 let outer = std::mem::replace(&mut self.chain, Chain::None);
                 for member in &item.members {
                     if self.keep(&member.attributes)? {
@@ -139,10 +202,13 @@ impl Translator<'_> {
             }
             GlobalDeclaration::Function(item) => {
                 let mut kept = Function {
+                    attributes: item.attributes.clone(),
+                    ident: item.ident.clone(),
+                    parameters: Vec::new(),
+                    return_attributes: item.return_attributes.clone(),
+                    return_type: item.return_type.clone(),
                     body: CompoundStatement::default(),
-                    ..item.clone()
                 };
-                kept.parameters.clear();
                 let outer = std::mem::replace(&mut self.chain, Chain::None);
                 for parameter in &item.parameters {
                     if self.keep(&parameter.attributes)? {

@@ -1,9 +1,14 @@
 //! Units: modules as naga parsed them, each by itself, ready to be copied from.
 
-use std::{collections::BTreeSet, ops::Range, sync::Arc};
+use std::{
+    collections::BTreeSet,
+    ops::Range,
+    sync::{Arc, OnceLock, PoisonError, RwLock},
+};
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
+    compact::{KeepUnused, compact},
 };
 use rustc_hash::FxHashMap;
 use umbrage_hints::did_you_mean;
@@ -11,8 +16,10 @@ use umbrage_hints::did_you_mean;
 use crate::{
     Cause, Fault, Library,
     diagnostics::Filters,
+    interface::{Signature, signature},
     names::{Item, ItemNumber},
     prepare::Prepared,
+    reach::LeftOut,
     rules::check_text,
     stubs::JOINT,
     words,
@@ -26,10 +33,10 @@ pub(crate) struct Unit {
     pub(crate) called: Vec<ItemNumber>,
     /// The module's own functions, by the numbers of their names.
     pub(crate) by_number: FxHashMap<u32, Handle<Function>>,
-    /// What each function is: one of the module's own, or another's.
-    pub(crate) functions: FxHashMap<Handle<Function>, Item>,
-    /// What each variable is.
-    pub(crate) globals: FxHashMap<Handle<GlobalVariable>, Item>,
+    /// What each function is, by its index: one of the module's own, or another's.
+    pub(crate) functions: Vec<Item>,
+    /// What each variable is, by its index.
+    pub(crate) globals: Vec<Item>,
     /// What each named constant is.
     pub(crate) constants: FxHashMap<Handle<naga::Constant>, Item>,
     /// Item that each named override came from.
@@ -40,14 +47,20 @@ pub(crate) struct Unit {
     pub(crate) own_globals: FxHashMap<String, Handle<GlobalVariable>>,
     /// The name that each type has where it is declared; the number is the type's index.
     pub(crate) type_names: Vec<Option<String>>,
+    /// Numbers of the types among the library's, by their indices; none where a type depends on an override.
+    pub(crate) type_numbers: Vec<Option<usize>>,
+    /// Other modules whose overrides it takes.
+    pub(crate) overriding: BTreeSet<usize>,
+    /// Types of the parameters and the result of each function in words, by its index.
+    signatures: Vec<OnceLock<Signature>>,
     /// What each function does, by its index.
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
-    /// The author's part of the text that naga parsed.
-    pub(crate) own: Range<usize>,
-    /// The module's diagnostic filters.
-    pub(crate) filters: Arc<Filters>,
+    /// The text that naga parsed.
+    prepared: Arc<Prepared>,
+    /// The unit without what has no effect.
+    without: RwLock<FxHashMap<LeftOut, Arc<Unit>>>,
 }
 
 /// What a function does, as far as it matters for leaving things out.
@@ -55,6 +68,8 @@ pub(crate) struct Unit {
 pub(crate) struct Facts {
     /// The functions that it calls; whether the result is left unused.
     pub(crate) calls: BTreeSet<(Handle<Function>, bool)>,
+    /// Other modules whose variables and overrides it names.
+    pub(crate) names: BTreeSet<usize>,
     /// The private variables that it reads.
     pub(crate) reads: BTreeSet<ItemNumber>,
     /// The private variables that it writes.
@@ -75,18 +90,16 @@ pub(crate) struct Refusal {
 pub(crate) fn parse(
     library: &Library,
     module: usize,
-    prepared: &Prepared,
+    prepared: &Arc<Prepared>,
 ) -> Result<Unit, Refusal> {
     let mut parsed = naga::front::wgsl::parse_str(&prepared.text)
         .map_err(|error| parse_fault(library, module, prepared, &error))?;
     let source = library.source(module);
-    let functions = parsed.functions.iter_mut().map(|(_, function)| function);
-    let entries = parsed.entry_points.iter_mut();
-    for function in functions.chain(entries.map(|entry| &mut entry.function)) {
+    for_each_function(&mut parsed, |function| {
         if function.result.is_some() {
             drop_added_returns(&mut function.body);
         }
-    }
+    });
     check_text(&parsed, &prepared.text).map_err(|problem| {
         let span = shifted(problem.span, 0, &prepared.own).to_range();
         let place = source.place(span.unwrap_or(0..0));
@@ -97,95 +110,177 @@ pub(crate) fn parse(
             blamed: None,
         }
     })?;
-    let item = |name: &Option<String>| {
-        let name = name.clone().unwrap_or_default();
-        prepared
-            .stubs
-            .items
-            .get(&name)
-            .cloned()
-            .unwrap_or(Item { module, name })
-    };
-    let functions: FxHashMap<_, _> = parsed
-        .functions
-        .iter()
-        .map(|(handle, f)| (handle, item(&f.name)))
-        .collect();
-    let globals: FxHashMap<_, _> = parsed
-        .global_variables
-        .iter()
-        .map(|(handle, g)| (handle, item(&g.name)))
-        .collect();
-    let overrides = parsed
-        .overrides
-        .iter()
-        .filter(|(_, o)| o.name.is_some())
-        .map(|(handle, o)| (handle, item(&o.name)))
-        .collect();
-    let constants = parsed
-        .constants
-        .iter()
-        .filter(|(_, constant)| constant.name.is_some())
-        .map(|(handle, constant)| (handle, item(&constant.name)))
-        .collect();
-    let called: Vec<_> = (parsed.functions.iter())
-        .map(|(handle, _)| functions[&handle].number(library))
-        .collect();
-    let own = |stub: &Option<String>| {
-        stub.as_ref()
-            .is_some_and(|name| !prepared.stubs.items.contains_key(name))
-    };
-    let type_names = parsed
-        .types
-        .iter()
-        .map(|(_, ty)| match ty.inner {
-            naga::TypeInner::Struct { .. } => ty.name.as_ref().map(|_| item(&ty.name).name),
-            // An alias's name tells one `vec3f` from another, which are the same.
-            _ => None,
-        })
-        .collect();
-    let mut unit = Unit {
-        by_number: (parsed.functions.iter().zip(&called))
-            .filter(|((_, f), _)| own(&f.name))
-            .map(|((handle, _), called)| (called.1, handle))
-            .collect(),
-        called,
-        own_functions: parsed
-            .functions
-            .iter()
-            .filter(|(_, f)| own(&f.name))
-            .filter_map(|(handle, f)| Some((f.name.clone()?, handle)))
-            .collect(),
-        own_globals: parsed
-            .global_variables
-            .iter()
-            .filter(|(_, g)| own(&g.name))
-            .filter_map(|(handle, g)| Some((g.name.clone()?, handle)))
-            .collect(),
-        facts: Vec::new(),
-        entry_facts: Vec::new(),
-        own: prepared.own.clone(),
-        filters: prepared.filters.clone(),
-        module: parsed,
-        functions,
-        globals,
-        constants,
-        overrides,
-        type_names,
-    };
-    let number = |global| unit.globals[&global].number(library);
-    let functions = unit.module.functions.iter();
-    let function_facts = functions.map(|(_, f)| facts(&unit.module, f, &number));
-    let entries = unit.module.entry_points.iter();
-    let entry_facts = entries.map(|e| facts(&unit.module, &e.function, &number));
-    (unit.facts, unit.entry_facts) = (function_facts.collect(), entry_facts.collect());
-    for (_, function) in unit.module.functions.iter_mut() {
+    for_each_function(&mut parsed, |function| {
         shift_function(function, source.base, &prepared.own);
+    });
+    Ok(Unit::new(library, module, parsed, prepared.clone()))
+}
+
+impl Unit {
+    /// The unit of a `module`, parsed from the text `prepared` of the library's module `home`.
+    fn new(library: &Library, home: usize, module: Module, prepared: Arc<Prepared>) -> Self {
+        let stands_for = &prepared.stubs.items;
+        let item = |name: &Option<String>| {
+            let name = name.as_deref().unwrap_or("");
+            stands_for.get(name).cloned().unwrap_or_else(|| Item {
+                module: home,
+                name: name.to_owned(),
+            })
+        };
+        let own = |name: &Option<String>| {
+            let name = name.as_ref();
+            name.is_some_and(|name| !stands_for.contains_key(name))
+        };
+        let items = |names: &mut dyn Iterator<Item = &Option<String>>| -> Vec<Item> {
+            names.map(item).collect()
+        };
+        let functions = items(&mut module.functions.iter().map(|(_, f)| &f.name));
+        let globals = items(&mut module.global_variables.iter().map(|(_, g)| &g.name));
+        let called: Vec<_> = functions.iter().map(|item| item.number(library)).collect();
+        let own_functions: Vec<_> = (module.functions.iter())
+            .filter(|(_, f)| own(&f.name))
+            .collect();
+        let own_globals = (module.global_variables.iter()).filter(|(_, g)| own(&g.name));
+        let overrides = module.overrides.iter().filter(|(_, o)| o.name.is_some());
+        let overrides: FxHashMap<_, _> = overrides
+            .map(|(handle, o)| (handle, item(&o.name)))
+            .collect();
+        let constants = module.constants.iter().filter(|(_, c)| c.name.is_some());
+        let type_names: Vec<_> = (module.types.iter())
+            .map(|(_, ty)| match ty.inner {
+                naga::TypeInner::Struct { .. } => ty.name.as_ref().map(|_| item(&ty.name).name),
+                // An alias's name tells one `vec3f` from another, which are the same.
+                _ => None,
+            })
+            .collect();
+        let numbers: Vec<_> = globals.iter().map(|item| item.number(library)).collect();
+        let number = |global: Handle<GlobalVariable>| numbers[global.index()];
+        let facts = |function: &Function| {
+            let expressions = function.expressions.iter();
+            let named = expressions.filter_map(|(_, expression)| match expression {
+                Expression::GlobalVariable(variable) => Some(&globals[variable.index()]),
+                Expression::Override(item) => overrides.get(item),
+                _ => None,
+            });
+            let others = named.map(|item| item.module).filter(|other| *other != home);
+            Facts {
+                names: others.collect(),
+                ..facts(&module, function, &number)
+            }
+        };
+        Self {
+            by_number: (own_functions.iter())
+                .map(|(handle, _)| (called[handle.index()].1, *handle))
+                .collect(),
+            own_functions: (own_functions.into_iter())
+                .filter_map(|(handle, f)| Some((f.name.clone()?, handle)))
+                .collect(),
+            own_globals: own_globals
+                .filter_map(|(handle, g)| Some((g.name.clone()?, handle)))
+                .collect(),
+            overriding: (overrides.values().map(|item| item.module))
+                .filter(|other| *other != home)
+                .collect(),
+            constants: constants
+                .map(|(handle, c)| (handle, item(&c.name)))
+                .collect(),
+            facts: module.functions.iter().map(|(_, f)| facts(f)).collect(),
+            entry_facts: (module.entry_points.iter())
+                .map(|entry| facts(&entry.function))
+                .collect(),
+            type_numbers: library.type_numbers(&module.types, &type_names),
+            signatures: vec![OnceLock::new(); functions.len()],
+            type_names,
+            called,
+            functions,
+            globals,
+            overrides,
+            without: RwLock::default(),
+            module,
+            prepared,
+        }
     }
-    for entry in &mut unit.module.entry_points {
-        shift_function(&mut entry.function, source.base, &prepared.own);
+
+    /// The author's part of the text that naga parsed.
+    pub(crate) fn own(&self) -> &Range<usize> {
+        &self.prepared.own
     }
-    Ok(unit)
+
+    /// The module's diagnostic filters.
+    pub(crate) fn filters(&self) -> &Arc<Filters> {
+        &self.prepared.filters
+    }
+
+    /// Types of the function's parameters and result, in words that are the same in every unit.
+    pub(crate) fn signature(&self, function: Handle<Function>) -> &Signature {
+        let known = &self.signatures[function.index()];
+        known.get_or_init(|| signature(self, function))
+    }
+
+    /// The unit of the library's module `home` without what has no effect, and without what was computed for that.
+    /// Functions and variables keep their handles.
+    pub(crate) fn without(&self, library: &Library, home: usize, left_out: &LeftOut) -> Arc<Self> {
+        let known = self.without.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(unit) = known.get(left_out) {
+            return unit.clone();
+        }
+        drop(known);
+        let mut module = self.module.clone();
+        for_each_function(&mut module, |function| {
+            let dead: Vec<_> = private_roots(&self.module, function)
+                .into_iter()
+                .map(|root| {
+                    root.is_some_and(|global| {
+                        let number = self.globals[global.index()].number(library);
+                        left_out.stores.contains(&number)
+                    })
+                })
+                .collect();
+            leave_out(&mut function.body, &dead, left_out);
+        });
+        compact(&mut module, KeepUnused::Yes);
+        let mut unit = Self::new(library, home, module, self.prepared.clone());
+        // What is named is looked at, and its faults are told, whether it has an effect or not.
+        let facts = unit.facts.iter_mut().zip(&self.facts);
+        let entry_facts = unit.entry_facts.iter_mut().zip(&self.entry_facts);
+        for (own, whole) in facts.chain(entry_facts) {
+            own.names.clone_from(&whole.names);
+        }
+        let unit = Arc::new(unit);
+        let mut known = self.without.write().unwrap_or_else(PoisonError::into_inner);
+        known.entry(left_out.clone()).or_insert(unit).clone()
+    }
+}
+
+/// Calls `visit` for each function of `module`, entry points last.
+fn for_each_function(module: &mut Module, mut visit: impl FnMut(&mut Function)) {
+    let functions = module.functions.iter_mut().map(|(_, function)| function);
+    let entries = module.entry_points.iter_mut();
+    functions
+        .chain(entries.map(|entry| &mut entry.function))
+        .for_each(&mut visit);
+}
+
+/// Takes what is `left_out` away: stores into the variables that the `dead` expressions lead to, and calls.
+fn leave_out(block: &mut Block, dead: &[bool], left_out: &LeftOut) {
+    let is_kept = |statement: &Statement| match statement {
+        Statement::Store { pointer, .. } => !dead[pointer.index()],
+        Statement::Call {
+            function, result, ..
+        } => result.is_some() || !left_out.calls.contains(function),
+        _ => true,
+    };
+    if !block.iter().all(is_kept) {
+        let whole = std::mem::take(block);
+        for (statement, span) in whole.span_into_iter() {
+            if is_kept(&statement) {
+                block.push(statement, span);
+            }
+        }
+    }
+    for statement in block.iter_mut() {
+        for_each_block(statement, &mut |inner| leave_out(inner, dead, left_out));
+    }
 }
 
 /// `span` of a module's text, counted from the start of the library's.

@@ -9,10 +9,9 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
+use naga::valid::{ValidationFlags, Validator};
 use proptest::prelude::*;
-use umbrage_compose::{
-    Checker, Composer, Error, Key, Library, Manifest, Package, Selection, Target, Variant,
-};
+use umbrage_compose::{Composer, Key, Library, Manifest, Package, Selection, Target, Variant};
 
 mod generated;
 
@@ -252,35 +251,80 @@ fn keys_without_a_root_are_told() {
     );
 }
 
-/// Compares verdicts and warnings of checking by parts with those of composing each permutation, twice: the second
-/// time all valid parts are known, and the faulty permutations alone are composed. Returns the faults.
+/// Compares what composers that know parts make of each permutation with what a new composer makes of it, which knows
+/// none: verdicts and warnings of checking, twice, the second time with all valid parts known; and what composing gives,
+/// in several orders. Returns the faults.
 fn compare(library: &Library) -> Vec<String> {
-    let composer = Composer::new(library.clone(), Target::webgpu());
-    let checker = Checker::new(&composer);
-    let oracle = Composer::new(library.clone(), Target::webgpu());
-    let texts = |error: &Error| error.to_string();
-    let variants = composer.variants().map(|variant| {
-        let composed = oracle.compose(&variant.key());
-        (variant, composed)
-    });
-    let variants: Vec<_> = variants.collect();
+    let new = || Composer::new(library.clone(), Target::webgpu());
+    let checker = new();
+    let variants: Vec<_> = checker.variants().collect();
+    let expected: Vec<_> = variants
+        .iter()
+        .map(|variant| made(&new(), &variant.key()))
+        .collect();
     for again in [false, true] {
-        for (variant, composed) in &variants {
+        for (variant, expected) in variants.iter().zip(&expected) {
             let key = variant.key();
             let checked = checker.check(variant);
-            let expected = composed.as_ref().err().map(texts);
-            assert_eq!(checked.fault.as_ref().map(texts), expected, "{key}");
-            if let Ok(composed) = composed {
-                assert_eq!(checked.warnings, composed.warnings, "{key}");
-                let is_sound = composed.warnings.is_empty();
-                assert!(!(again && is_sound && checked.composed), "{key}");
+            let fault = checked.fault.map(|fault| fault.to_string());
+            assert_eq!(fault.as_ref(), expected.as_ref().err(), "{key}");
+            if let Ok(made) = expected {
+                assert_eq!(checked.warnings, made.warnings, "{key}");
+                assert!(
+                    !(again && made.warnings.is_empty() && checked.composed),
+                    "{key}"
+                );
             }
         }
     }
-    let faults = variants
-        .iter()
-        .filter_map(|(_, composed)| composed.as_ref().err());
-    faults.map(texts).collect()
+    let count = variants.len();
+    let orders: [Vec<usize>; 3] = [
+        (0..count).collect(),
+        (0..count).rev().collect(),
+        (0..count).step_by(2).chain((1..count).step_by(2)).collect(),
+    ];
+    for order in orders {
+        let composer = new();
+        for index in order {
+            let key = variants[index].key();
+            assert_eq!(made(&composer, &key), expected[index], "{key}");
+        }
+    }
+    // All parts are known.
+    for (variant, expected) in variants.iter().zip(&expected) {
+        assert_eq!(
+            &made(&checker, &variant.key()),
+            expected,
+            "{}",
+            variant.key()
+        );
+    }
+    expected.into_iter().filter_map(Result::err).collect()
+}
+
+/// What is seen of a permutation.
+#[derive(Debug, PartialEq)]
+struct Made {
+    text: String,
+    reflection: umbrage_compose::Reflection,
+    warnings: Vec<String>,
+}
+
+/// What `composer` makes of `key`, held against naga's verdict; or the fault's words.
+fn made(composer: &Composer, key: &Key) -> Result<Made, String> {
+    let permutation = match composer.compose(key) {
+        Ok(composed) => composed.permutation,
+        Err(fault) => return Err(fault.to_string()),
+    };
+    let capabilities = composer.target().capabilities();
+    let flags = ValidationFlags::all() - ValidationFlags::CONTROL_FLOW_UNIFORMITY;
+    let verdict = Validator::new(flags, capabilities).validate(&permutation.module);
+    assert!(verdict.is_ok(), "{key}: {verdict:?}");
+    Ok(Made {
+        text: permutation.wgsl().unwrap_or_else(|error| panic!("{error}")),
+        reflection: permutation.reflection.clone(),
+        warnings: permutation.warnings.clone(),
+    })
 }
 
 proptest! {
@@ -468,25 +512,133 @@ fn assertions_are_checked() {
     );
 }
 
-/// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Ten minutes on two cores.
+/// Axis of a feature under which something is another way.
+const NARROW: &str =
+    r#""narrow": (default: "off", values: { "off": (), "on": (features: ["NARROW"]) }),"#;
+
+/// What a module takes of another's variable does not tell its group.
+#[test]
+fn declarations_are_seen_through_imports() {
+    let root = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "fn ask(x: f32) -> f32 { return x * package::notes::u; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let notes = "@if(NARROW) @group(7) @binding(0) var<uniform> u: f32;\n\
+                 @if(!NARROW) @group(0) @binding(0) var<uniform> u: f32;";
+    let words = "maxBindGroups";
+    in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
+}
+
+/// What a module takes of another's override does not tell its default.
+#[test]
+fn defaults_are_seen_through_imports() {
+    let root = format!("{COMPUTE} {{ _ = package::through::i(1.0); }}");
+    let first = "var<workgroup> room: array<f32, package::notes::ROOM>;\n\
+                 fn ask(x: f32) -> f32 { return x * room[0]; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let notes = "@if(NARROW) override ROOM: u32 = 5000;\n@if(!NARROW) override ROOM: u32 = 50;";
+    let words = "maxComputeWorkgroupStorageSize";
+    in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
+}
+
+/// A limit is for variables of one kind, and one name may be of two.
+#[test]
+fn kinds_are_seen_through_calls() {
+    let root =
+        format!("{FRAGMENT} {{ return vec4f(package::through::i(x) + package::notes::all()); }}");
+    let other = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "@if(NARROW) @group(1) @binding(0) var<storage> u: f32;\n\
+                 @if(!NARROW) @group(1) @binding(0) var<uniform> u: f32;\n\
+                 fn ask(x: f32) -> f32 { return x * u; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let buffers: String = (0..8)
+        .map(|n| format!("@group(0) @binding({n}) var<storage> s{n}: f32;\n"))
+        .collect();
+    let notes =
+        format!("{buffers}fn all() -> f32 {{ return s0 + s1 + s2 + s3 + s4 + s5 + s6 + s7; }}");
+    let words = "maxStorageBuffersPerShaderStage";
+    in_company(NARROW, [&root, &other], [first, second], &notes, (1, words));
+}
+
+/// A contract warns of its own filters, whatever implements it.
+#[test]
+fn warnings_of_contracts_are_seen_through_calls() {
+    let axes = format!(
+        r#"(axes: {{ {NARROW}
+            "i": (values: {{ "one": (bind: {{ "package::interface::i": "package::one" }}) }}),
+            "pass": (values: {{ "main": (root: "package::main") }}) }})"#
+    );
+    let main = format!("{FRAGMENT} {{ return vec4f(package::interface::i::ask(x)); }}");
+    let ask = "fn ask(x: f32) -> f32 { return x; }";
+    let contract = format!("@if(NARROW) diagnostic(off, unknown);\n{ask}");
+    let files = [
+        ("axes.ron", axes.as_str()),
+        ("main.wesl", &main),
+        ("one.wesl", ask),
+        ("interface/i.wesl", &contract),
+    ];
+    assert_eq!(compare(&library(&files)), [""; 0]);
+}
+
+/// A module of which only a variable is taken, which nothing reads, warns and fails as any other.
+#[test]
+fn what_has_no_effect_is_seen() {
+    let root = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
+    let first = "fn ask(x: f32) -> f32 { package::notes::seen = x; return x; }";
+    let second = "fn ask(x: f32) -> f32 { return x; }";
+    let notes = "@if(!NARROW) diagnostic(off, unknown);\n\
+                 var<private> seen: f32;\n\
+                 @if(NARROW) const WRONG: u32 = -1;";
+    let words = "WRONG";
+    in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
+}
+
+fn our_library() -> Library {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
+    let package = Package::load("umbrage", &path).unwrap_or_else(|error| panic!("{error}"));
+    Library::new([package]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Some of our shaders, from all over the space: what a composer makes of each does not depend on what it knows.
+#[test]
+fn some_of_our_space_is_composed_alike() {
+    let library = our_library();
+    let new = || Composer::new(library.clone(), Target::webgpu());
+    let [composer, checker] = [new(), new()];
+    let parts = composer.variants().split(4096);
+    let variants = parts
+        .into_iter()
+        .step_by(16)
+        .filter_map(|mut part| part.next());
+    let mut known = 0;
+    for variant in variants {
+        let key = variant.key();
+        known += usize::from(!checker.check(&variant).composed);
+        let expected = made(&new(), &key);
+        assert_eq!(made(&checker, &key), expected, "{key}");
+        assert_eq!(made(&composer, &key), expected, "{key}");
+    }
+    assert!(known > 0);
+}
+
+/// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Two hours on two cores.
 #[test]
 #[ignore = "composes more than a million permutations: run it after a change of the checker or the linker"]
 fn our_whole_space_composes() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
-    let package = Package::load("umbrage", &path).unwrap_or_else(|error| panic!("{error}"));
-    let library = Library::new([package]).unwrap_or_else(|error| panic!("{error}"));
+    let library = our_library();
     let composer = Composer::new(library.clone(), Target::webgpu());
-    let checker = Checker::new(&composer);
     let parts = composer.variants().split(4096);
     let next = AtomicUsize::new(0);
     let count = AtomicUsize::new(0);
     let work = || {
         while let Some(part) = parts.get(next.fetch_add(1, Ordering::Relaxed)) {
-            // A composer keeps what it makes: one for each part keeps memory small.
-            let oracle = Composer::new(library.clone(), Target::webgpu());
             for variant in part.clone() {
                 let key = variant.key();
-                let checked = checker.check(&variant).fault.map(|fault| fault.to_string());
+                let checked = composer
+                    .check(&variant)
+                    .fault
+                    .map(|fault| fault.to_string());
+                // Another composer knows nothing of the permutation's parts.
+                let oracle = Composer::new(library.clone(), Target::webgpu());
                 let composed = oracle.compose(&key).err().map(|fault| fault.to_string());
                 assert_eq!(checked, composed, "{key}");
                 count.fetch_add(1, Ordering::Relaxed);

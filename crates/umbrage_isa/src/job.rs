@@ -157,9 +157,10 @@ fn shader(permutation: &Permutation, entry: &EntryPoint) -> Result<Shader, Strin
         Stage::Compute => naga::ShaderStage::Compute,
     };
     let refused = |error: &dyn std::error::Error| format!("it cannot be said in SPIR-V: {error}");
+    let info = permutation.info().map_err(|error| refused(&error))?;
     let (module, info): (Cow<'_, _>, Cow<'_, _>) = process_overrides(
         &permutation.module,
-        &permutation.info,
+        info,
         Some((stage, &entry.name)),
         &Default::default(),
     )

@@ -10,7 +10,7 @@ use std::{
 
 use serde::Serialize;
 use umbrage_bench::Spread;
-use umbrage_compose::{Checker, Composer, Library, Package, Target};
+use umbrage_compose::{Composer, Library, Package, Target};
 
 /// Turns taken: each checks the whole space anew.
 const ROUNDS: usize = 3;
@@ -81,14 +81,13 @@ impl Space {
 /// Checks every permutation of `library`. Returns how many there are, and how many were composed for that.
 fn check(library: &Library, threads: usize) -> Result<(usize, usize), Box<dyn Error>> {
     let composer = Composer::new(library.clone(), Target::webgpu());
-    let checker = Checker::new(&composer);
     let parts = composer.variants().split(64 * threads);
     let [next, permutations, composed, faults] = [const { AtomicUsize::new(0) }; 4];
     let work = || {
         while let Some(part) = parts.get(next.fetch_add(1, Ordering::Relaxed)) {
             let mut counts = [0; 3];
             for variant in part.clone() {
-                let checked = checker.check(&variant);
+                let checked = composer.check(&variant);
                 counts[0] += 1;
                 counts[1] += usize::from(checked.composed);
                 counts[2] += usize::from(checked.fault.is_some());
