@@ -1,53 +1,135 @@
 //! Permutations to draw, and to ask other compilers about.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::Path,
+use std::{collections::BTreeSet, error::Error, path::Path, sync::Arc};
+
+use umbrage::{
+    compose::{self, Composer, Key, Selection},
+    render::{Gpu, RenderOptions, Renderer, Scene, What},
+};
+use umbrage_measure::{
+    cases::{self, Limits},
+    study::{CompareOptions, Config, Lab, compare, stress},
 };
 
-use umbrage::compose::{Composer, Error, Key, Manifest, Selection};
+use crate::registry;
 
-/// Manifests of what is drawn in tests.
-const DRAWN: [&str; 2] = ["demo.ron", "drawn.ron"];
-
-fn manifests() -> Result<Vec<Manifest>, Error> {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../permutations");
-    let manifests = DRAWN.iter().map(|name| Manifest::load(&dir.join(name)));
-    manifests.collect()
-}
-
-/// Keys of the manifests of what is drawn: one for each distinct permutation, and for each depth that it may read, which
-/// is what other passes draw, and no part of the permutation.
+/// Keys of a [cover](Composer::cover) of the whole space, in which every pair of choices occurs.
 ///
 /// # Errors
-/// Faults in our shaders or manifests.
-pub fn drawn(composer: &Composer) -> Result<Vec<Key>, Error> {
-    let mut distinct = BTreeMap::new();
-    for manifest in manifests()? {
-        for variant in composer.select(manifest.selection()) {
-            for key in variant.keys() {
-                let depth = composer.library().axes().value(&key, "depth");
-                let depth = depth.unwrap_or("").to_owned();
-                distinct.entry((variant.key(), depth)).or_insert(key);
-            }
+/// Faults in our shaders.
+pub fn covering(composer: &Composer) -> Result<BTreeSet<Key>, compose::Error> {
+    Ok(composer.cover(&Selection::all())?.into_iter().collect())
+}
+
+/// Projected keys of all that the demo, `compare` and `stress` need: each of our scenes in each kind of picture and with
+/// each configuration, and each hard case with each variant of the table of limits. They are run in small, with small
+/// maps, by `composer`.
+///
+/// # Errors
+/// What cannot be drawn.
+pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<Key>, Box<dyn Error>> {
+    let (registry, library) = (umbrage::methods::registry()?, composer.library());
+    let methods: Vec<_> = registry.names().map(str::to_owned).collect();
+    let scenes = scenes()?;
+    let mut renderer = Renderer::new(Arc::clone(gpu), Arc::clone(composer), registry.clone());
+    for (_, scene) in &scenes {
+        for what in PICTURES {
+            let options = RenderOptions {
+                width: SIZE.0,
+                height: SIZE.1,
+                what,
+                ..RenderOptions::default()
+            };
+            renderer.render(scene, &options)?;
         }
     }
-    Ok(distinct.into_values().collect())
+    let small = |config: Config| {
+        let mut config = config;
+        config.settings.insert("resolution".to_owned(), MAP);
+        config
+    };
+    let configs = Config::standard(&methods, &registry, library)?;
+    let limits = Limits::built_in()?;
+    let variants = Config::variants(&limits, &methods, &registry, library)?;
+    let mut lab = Lab::new(Arc::clone(gpu), Arc::clone(composer), registry);
+    let options = CompareOptions {
+        size: SIZE,
+        rounds: 1,
+        frames: 0,
+        store: None,
+        command: String::new(),
+    };
+    let none = Err("no costs are asked for".to_owned());
+    let configs: Vec<_> = configs.into_iter().map(small).collect();
+    compare(&mut lab, &scenes, &configs, &options, none, &())?;
+    let variants: Vec<_> = variants.into_iter().map(small).collect();
+    let mut cases = cases::all();
+    for case in &mut cases {
+        case.size = SIZE;
+        case.settings.remove("resolution");
+        case.frames.truncate(1);
+    }
+    stress(&mut lab, &variants, &cases, &limits, None, &())?;
+    Ok(composer.composed())
 }
 
-/// Keys of what is drawn, and of a [cover](Composer::cover) of the whole space, in which every pair of choices occurs:
-/// one for each distinct permutation.
+/// Pixels across and down.
+const SIZE: (u32, u32) = (16, 9);
+
+/// Texels along a shadow map.
+const MAP: f64 = 64.0;
+
+const PICTURES: [What; 7] = [
+    What::Shaded,
+    What::ShadowTerm,
+    What::Triangles,
+    What::Fetches,
+    What::Decisions,
+    What::ShaftFetches,
+    What::Splits,
+];
+
+/// Our scenes, by their names.
+fn scenes() -> Result<Vec<(String, Scene)>, Box<dyn Error>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/scenes");
+    let mut paths = Vec::new();
+    for entry in folder.read_dir()? {
+        paths.push(entry?.path());
+    }
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "ron"));
+    paths.sort();
+    let scene = |path: &Path| Ok((path.display().to_string(), Scene::load(path)?));
+    paths.iter().map(|path| scene(path)).collect()
+}
+
+/// `keys`, and beside each that asks a shadow map the same for each other depth that the map may hold: what other passes
+/// draw, and no part of the permutation.
 ///
 /// # Errors
-/// Faults in our shaders or manifests.
-pub fn drawn_or_covering(composer: &Composer) -> Result<Vec<Key>, Error> {
-    let mut keys: BTreeSet<_> = composer.cover(&Selection::all())?.into_iter().collect();
-    for manifest in manifests()? {
-        keys.extend(
-            composer
-                .select(manifest.selection())
-                .map(|variant| variant.key()),
-        );
+/// Faults in our shaders.
+pub fn of_each_depth(
+    composer: &Composer,
+    keys: impl IntoIterator<Item = Key>,
+) -> Result<BTreeSet<Key>, compose::Error> {
+    let library = composer.library();
+    let registry = registry();
+    let mut all = BTreeSet::new();
+    for key in keys {
+        let method = library.axes().value(&key, "method").unwrap_or("");
+        if registry.get(method).is_ok() {
+            let depths = library.axes().get("depth");
+            for depth in depths.into_iter().flat_map(|axis| axis.values()) {
+                let others = key.choices().filter(|(axis, _)| *axis != "depth");
+                // Not every depth goes with every filter.
+                let Ok(other) = library.key(others.chain([("depth", depth)])) else {
+                    continue;
+                };
+                if composer.project(&other)? == key {
+                    all.insert(other);
+                }
+            }
+        }
+        all.insert(key);
     }
-    Ok(keys.into_iter().collect())
+    Ok(all)
 }

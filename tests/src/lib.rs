@@ -12,7 +12,7 @@ mod stage;
 
 pub use colored::{colored_package, registry};
 pub use dawn::Dawn;
-pub use drawn::{drawn, drawn_or_covering};
+pub use drawn::{covering, of_each_depth, used};
 pub use maps::{Maps, Place};
 pub use oracle::{Oracle, Pixel};
 pub use random::{Random, random_shader};

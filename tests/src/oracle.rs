@@ -163,7 +163,11 @@ impl<'a> Oracle<'a> {
                     .get("depth")?
                     .starts_with("midpoint")
                     .then_some(MidpointTwin {
-                        depth_bias: settings.get("depth_bias"),
+                        // Means of exponentials need none in maps as large as these.
+                        depth_bias: match filter.is_some_and(|filter| filter.starts_with("esm")) {
+                            true => 0.0,
+                            false => settings.get("depth_bias"),
+                        },
                         width,
                         receiver_plane: plane,
                     });

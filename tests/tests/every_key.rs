@@ -1,5 +1,5 @@
-//! Every permutation of the manifests of what is drawn is drawn, and its shadow term compared with an oracle that shares
-//! nothing with the GPU.
+//! Permutations are drawn, and their shadow terms compared with an oracle that shares nothing with the GPU: a cover of the
+//! whole space, and all that the demo, `compare` and `stress` need.
 #![allow(
     clippy::panic,
     reason = "a test's helpers may fail it, with the error's own words"
@@ -12,7 +12,9 @@ use umbrage::{
     compose::{Composer, Key, Library, Purpose, Target},
     render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, What},
 };
-use umbrage_tests::{Oracle, Pixel, Stage, colored_package, drawn, registry, stage};
+use umbrage_tests::{
+    Oracle, Pixel, Stage, colored_package, covering, of_each_depth, registry, stage, used,
+};
 
 const SIZE: u32 = 40;
 /// Steps along a ray through the air.
@@ -206,7 +208,12 @@ impl Studio {
             }
             None => key.clone(),
         };
-        stage(library, &key, RESOLUTION)
+        let resolution = match pass {
+            // Finer, so that something is decided within the widest filter's reach.
+            "decision" => 4 * RESOLUTION,
+            _ => RESOLUTION,
+        };
+        stage(library, &key, resolution)
     }
 
     /// What the oracle sees, which is the same for all keys that differ in what it does not know.
@@ -238,6 +245,7 @@ impl Studio {
             "caster",
             "caster_depth",
             "caster_faces",
+            "decision",
             "haze",
             "linear_depth",
             "region",
@@ -390,11 +398,23 @@ fn exceeds(counts: &[f32], promised: u32) -> Option<String> {
 }
 
 #[test]
-fn every_permutation_is_drawn_as_the_oracle_says() {
-    // A selection is of the manifests' own library.
+fn permutations_are_drawn_as_the_oracle_says() {
     let ours = umbrage::shader_library().expect("the shader library is sound");
-    let composer = Composer::new(ours, Target::webgpu());
-    let keys = drawn(&composer).unwrap_or_else(|error| panic!("{error}"));
+    let composer = Arc::new(Composer::new(ours, Target::webgpu()));
+    let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
+    let mut keys = covering(&composer).unwrap_or_else(|error| panic!("{error}"));
+    let used = used(&gpu, &composer).unwrap_or_else(|error| panic!("{error}"));
+    for key in &used {
+        // By itself, as by all keys that cannot differ from it.
+        let known = composer.library().parse_key(&key.to_string());
+        let projected = known.and_then(|known| composer.project(&known));
+        assert_eq!(projected.as_ref().ok(), Some(key), "{projected:?}");
+    }
+    eprintln!("{} of a cover, {} used", keys.len(), used.len());
+    keys.extend(used);
+    let keys = of_each_depth(&composer, keys).unwrap_or_else(|error| panic!("{error}"));
+    let keys: Vec<_> = keys.into_iter().collect();
+    eprintln!("{} to draw", keys.len());
     // Keys that share an oracle's work are worth keeping together.
     let faults: Vec<_> = keys
         .par_chunks(keys.len().div_ceil(rayon::current_num_threads()))

@@ -433,6 +433,18 @@ impl Composer {
         memory.get(key).cloned()
     }
 
+    /// Projected keys of all permutations that it composed, sorted: what a run of a program needs.
+    pub fn composed(&self) -> Vec<Key> {
+        let memory = self
+            .memory
+            .read()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut keys: Vec<_> = memory.values().map(|kept| kept.key.clone()).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        keys
+    }
+
     fn remember(&self, key: &Key, permutation: &Arc<Permutation>) {
         let mut memory = self
             .memory

@@ -18,7 +18,7 @@ use std::{
 
 use rayon::prelude::*;
 use umbrage::compose::{Composer, Library, Limit, Package, Target};
-use umbrage_tests::{Dawn, drawn_or_covering};
+use umbrage_tests::{Dawn, covering};
 
 /// A stored shader.
 struct Shader {
@@ -154,7 +154,7 @@ fn the_stored_verdicts_are_dawns() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Dawn takes our library's permutations, as we do: those that are drawn in tests, and a cover of the space.
+/// Dawn takes our library's permutations, as we do: a cover of the space.
 #[test]
 fn our_permutations_are_taken_by_dawn() {
     let Some(mut dawn) = Dawn::start() else {
@@ -162,7 +162,7 @@ fn our_permutations_are_taken_by_dawn() {
     };
     let library = umbrage::shader_library().unwrap_or_else(|error| panic!("{error}"));
     let composer = Composer::new(library, Target::webgpu());
-    let keys = drawn_or_covering(&composer).unwrap_or_else(|error| panic!("{error}"));
+    let keys = covering(&composer).unwrap_or_else(|error| panic!("{error}"));
     let texts: Vec<_> = keys
         .par_iter()
         .map(|key| {
