@@ -50,9 +50,9 @@ impl Manifest {
     /// nothing, and a manifest that yields no key.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let source = SourceText::read(path)?;
-        let peek = ron::from_str::<Peek>(&source.text);
-        let (named, target, file) = match peek {
-            Ok(peek) if peek.keys.trim().get_ron() == "All" => {
+        let keys = &source.text[ron_text::at(&source, "keys")];
+        let (named, target, file) = match keys {
+            "All" => {
                 let file: WholeFile = ron_text::parse(&source)?;
                 (file.packages, file.target, None)
             }
@@ -264,12 +264,6 @@ impl<'de> Deserialize<'de> for KeysFile {
 
         deserializer.deserialize_any(Visitor)
     }
-}
-
-/// A manifest's keys, to see whether they are `All`.
-#[derive(Deserialize)]
-struct Peek {
-    keys: Box<ron::value::RawValue>,
 }
 
 /// A manifest of all keys.

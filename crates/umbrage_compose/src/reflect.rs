@@ -19,6 +19,27 @@ pub struct Reflection {
     pub overrides: Vec<Override>,
 }
 
+impl Reflection {
+    /// The first entry point of `stage`: the one that a pipeline is made of.
+    pub fn entry_point(&self, stage: Stage) -> Option<&EntryPoint> {
+        self.entry_points.iter().find(|entry| entry.stage == stage)
+    }
+
+    /// The bindings of each group, from 0 to the last that has any, as pipeline layouts list them: nothing in a
+    /// group between that the shader reads nothing of.
+    pub fn groups(&self) -> Vec<&[Binding]> {
+        let mut groups = Vec::new();
+        let mut rest = self.bindings.as_slice();
+        while !rest.is_empty() {
+            let count = rest.partition_point(|binding| binding.group as usize <= groups.len());
+            let (own, others) = rest.split_at(count);
+            groups.push(own);
+            rest = others;
+        }
+        groups
+    }
+}
+
 /// An entry point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EntryPoint {
@@ -446,5 +467,31 @@ fn member_type(module: &Module, ty: Handle<Type>) -> MemberType {
             components: 1,
             scalar: Scalar::U32,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_listed_with_those_that_nothing_is_in() {
+        let binding = |group, binding| Binding {
+            group,
+            binding,
+            module: "demo::pass".to_owned(),
+            name: format!("b{group}{binding}"),
+            stages: vec![Stage::Fragment],
+            kind: BindingKind::Sampler { comparison: false },
+        };
+        let reflection = Reflection {
+            bindings: vec![binding(1, 0), binding(1, 4), binding(3, 2)],
+            ..Reflection::default()
+        };
+        let groups = reflection.groups();
+        let counts: Vec<_> = groups.iter().map(|group| group.len()).collect();
+        assert_eq!(counts, [0, 2, 0, 1]);
+        assert_eq!(groups[3][0].binding, 2);
+        assert!(Reflection::default().groups().is_empty());
     }
 }

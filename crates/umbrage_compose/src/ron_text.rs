@@ -78,21 +78,7 @@ impl RonFile {
     /// Where the value at `path` stands, such as `lights[1].kind.range` or `[0]`: bytes of the text. Of a path
     /// that the file has only the beginning of, the empty range where that begins.
     pub fn at(&self, path: &str) -> Range<usize> {
-        let text = &*self.0.text;
-        let mut value = text;
-        let mut is_whole = true;
-        for step in path.split(['.', '[']).filter(|step| !step.is_empty()) {
-            let step = step.trim_end_matches(']');
-            let parts = options().from_str::<Parts<'_>>(value);
-            let parts = parts.map_or_else(|_| Vec::new(), |parts| parts.0);
-            let part = parts.into_iter().find(|(name, _)| name == step);
-            is_whole = part.is_some();
-            let Some((_, part)) = part else { break };
-            value = part.trim().get_ron();
-        }
-        // It is a part of the text, not a copy.
-        let start = value.as_ptr() as usize - text.as_ptr() as usize;
-        start..start + if is_whole { value.len() } else { 0 }
+        at(&self.0, path)
     }
 
     /// A fault of this file, at the last of `words` as they follow each other from `range` on, outside comments;
@@ -118,6 +104,25 @@ impl RonFile {
 pub(crate) fn parse<T: DeserializeOwned>(source: &SourceText) -> Result<T, Error> {
     let parsed = options().from_str(&source.text);
     parsed.map_err(|error| refused(source, &error).into())
+}
+
+/// Where the value at `path` stands: see [`RonFile::at`].
+pub(crate) fn at(source: &SourceText, path: &str) -> Range<usize> {
+    let text = &*source.text;
+    let mut value = text;
+    let mut is_whole = true;
+    for step in path.split(['.', '[']).filter(|step| !step.is_empty()) {
+        let step = step.trim_end_matches(']');
+        let parts = options().from_str::<Parts<'_>>(value);
+        let parts = parts.map_or_else(|_| Vec::new(), |parts| parts.0);
+        let part = parts.into_iter().find(|(name, _)| name == step);
+        is_whole = part.is_some();
+        let Some((_, part)) = part else { break };
+        value = part.trim().get_ron();
+    }
+    // It is a part of the text, not a copy.
+    let start = value.as_ptr() as usize - text.as_ptr() as usize;
+    start..start + if is_whole { value.len() } else { 0 }
 }
 
 fn options() -> ron::Options {

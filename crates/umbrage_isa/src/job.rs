@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use naga::back::{pipeline_constants::process_overrides, spv};
-use umbrage_compose::{EntryPoint, Permutation, Reflection, Stage};
+use umbrage_compose::{Binding, EntryPoint, Permutation, Reflection, Stage};
 
 use crate::{
     PipelineState,
@@ -23,25 +23,22 @@ pub(crate) fn plan(
     permutation: &Permutation,
     state: &PipelineState,
 ) -> Result<Vec<Planned>, String> {
-    let entry_points = &permutation.reflection.entry_points;
-    let of = |stage| {
-        entry_points
-            .iter()
-            .filter(move |entry| entry.stage == stage)
-    };
+    let reflection = &permutation.reflection;
     let mut planned = Vec::new();
-    match (of(Stage::Vertex).next(), of(Stage::Fragment).next()) {
-        (None, None) => {}
-        (None, Some(fragment)) => {
+    let drawn = [Stage::Vertex, Stage::Fragment].map(|stage| reflection.entry_point(stage));
+    match drawn {
+        [None, None] => {}
+        [None, Some(fragment)] => {
             return Err(format!(
                 "`{}` has no vertex stage beside it, so there is no pipeline to compile; declare one in the \
                  pass's module",
                 fragment.name
             ));
         }
-        (Some(vertex), fragment) => planned.push(draw(permutation, state, vertex, fragment)?),
+        [Some(vertex), fragment] => planned.push(draw(permutation, state, vertex, fragment)?),
     }
-    for entry in of(Stage::Compute) {
+    let entries = reflection.entry_points.iter();
+    for entry in entries.filter(|entry| entry.stage == Stage::Compute) {
         planned.push(Planned {
             job: Job {
                 sets: sets(&permutation.reflection),
@@ -127,21 +124,19 @@ fn draw(
 
 /// The bindings by group; a group that nothing is in is an empty set.
 fn sets(reflection: &Reflection) -> Vec<Vec<Slot>> {
-    let mut sets: Vec<Vec<Slot>> = Vec::new();
-    for binding in &reflection.bindings {
-        let group = binding.group as usize;
-        if sets.len() <= group {
-            sets.resize_with(group + 1, Vec::new);
-        }
+    let slot = |binding: &Binding| {
         let stages = binding.stages.iter().copied().map(words::stage);
         let stages = stages.fold(ash::vk::ShaderStageFlags::empty(), |all, stage| all | stage);
-        sets[group].push(Slot {
+        Slot {
             binding: binding.binding,
             descriptor: words::descriptor(&binding.kind).as_raw(),
             stages: stages.as_raw(),
-        });
-    }
-    sets
+        }
+    };
+    let groups = reflection.groups().into_iter();
+    groups
+        .map(|group| group.iter().map(slot).collect())
+        .collect()
 }
 
 /// The SPIR-V of one entry point, as wgpu's Vulkan backend has it written for a device that keeps reads of

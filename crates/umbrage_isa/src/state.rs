@@ -94,9 +94,7 @@ const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
 
 /// A target for each of the fragment stage's outputs.
 fn outputs(permutation: &Permutation) -> Vec<Option<ColorTarget>> {
-    let reflection = &permutation.reflection;
-    let mut entries = reflection.entry_points.iter();
-    let name = entries.find(|entry| entry.stage == Stage::Fragment);
+    let name = permutation.reflection.entry_point(Stage::Fragment);
     let module = &permutation.module;
     let result = name
         .and_then(|name| module.entry_points.iter().find(|e| e.name == name.name))

@@ -106,7 +106,7 @@ impl Computation {
         unfiltered: &BTreeSet<String>,
     ) -> Result<Self, RenderError> {
         let program = Program::new(gpu, permutation, unfiltered)?;
-        let entry = entry_point(&program.permutation, Stage::Compute);
+        let entry = program.permutation.reflection.entry_point(Stage::Compute);
         let pipeline = gpu
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -137,7 +137,7 @@ impl Pipeline {
     ) -> Result<Self, RenderError> {
         let program = Program::new(gpu, permutation, &state.unfiltered)?;
         let module = &program.module;
-        let entry = |stage| entry_point(&program.permutation, stage);
+        let entry = |stage| program.permutation.reflection.entry_point(stage);
         let vertex = entry(Stage::Vertex);
         let attributes = attributes(vertex);
         let buffers: Vec<_> = attributes
@@ -247,14 +247,6 @@ pub(super) fn reads_facing(permutation: &Permutation) -> bool {
         })
 }
 
-fn entry_point(permutation: &Permutation, stage: Stage) -> Option<&EntryPoint> {
-    permutation
-        .reflection
-        .entry_points
-        .iter()
-        .find(|entry| entry.stage == stage)
-}
-
 /// The vertex inputs as attributes of the mesh's buffers; what a mesh does not have is left to the
 /// device to refuse, by name.
 fn attributes(vertex: Option<&EntryPoint>) -> Vec<wgpu::VertexAttribute> {
@@ -282,14 +274,10 @@ fn group_layouts(
     permutation: &Permutation,
     unfiltered: &BTreeSet<String>,
 ) -> Result<Vec<Option<wgpu::BindGroupLayout>>, RenderError> {
-    let bindings = &permutation.reflection.bindings;
-    let count = bindings
-        .iter()
-        .map(|binding| binding.group + 1)
-        .max()
-        .unwrap_or(0);
+    let reflection = &permutation.reflection;
     let limit = gpu.device.limits().max_bind_groups;
-    if let Some(beyond) = bindings.iter().find(|binding| binding.group >= limit) {
+    let mut bindings = reflection.bindings.iter();
+    if let Some(beyond) = bindings.find(|binding| binding.group >= limit) {
         let problem = format!(
             "group {} is beyond the device's {limit} groups",
             beyond.group
@@ -297,9 +285,9 @@ fn group_layouts(
         return Err(RenderError::binding(&permutation.key, beyond, problem));
     }
     let mut layouts = Vec::new();
-    for group in 0..count {
+    for (group, bindings) in reflection.groups().into_iter().enumerate() {
         let mut entries = Vec::new();
-        for binding in bindings.iter().filter(|binding| binding.group == group) {
+        for binding in bindings {
             let unfiltered = group <= 1 && unfiltered.contains(&binding.name);
             let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
                 let problem = "no pass has such a resource to give";

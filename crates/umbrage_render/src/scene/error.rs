@@ -23,19 +23,10 @@ pub enum SceneError {
         /// The file.
         path: PathBuf,
     },
-    /// A scene file is not RON, or not a scene.
-    #[error("{}:{line}:{column}: {message}", path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// From 1, in characters.
-        column: usize,
-        /// What is wrong.
-        message: String,
-    },
-    /// The file is well-formed, but what it says cannot be used.
+    /// A scene file cannot be read, is not RON or not a scene, or says what cannot be used.
+    #[error(transparent)]
+    File(#[from] umbrage_compose::Error),
+    /// A model or a picture is well-formed, but what it says cannot be used.
     #[error("{}: {place}: {problem}; {remedy}", path.display())]
     Invalid {
         /// The file.

@@ -7,8 +7,8 @@ use std::{
 };
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
-use ron::extensions::Extensions;
 use serde::Deserialize;
+use umbrage_compose::RonFile;
 use umbrage_shadow::{Field, plain_number};
 
 use super::{
@@ -133,6 +133,8 @@ struct MaterialFile {
 /// What scene files share: where they are, and what they have already read.
 pub(super) struct Loader<'a> {
     path: &'a Path,
+    /// The text at the path, for the places of faults.
+    text: RonFile,
     /// Also by whether they get a texture here.
     models: BTreeMap<(PathBuf, bool), Vec<Part>>,
     left_out: Vec<LeftOut>,
@@ -144,37 +146,11 @@ pub(super) struct Loader<'a> {
 
 /// Loads the scene file at `path`.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = read(path)?;
-    let syntax = |line, column, message| SceneError::Syntax {
-        path: path.to_owned(),
-        line,
-        column,
-        message,
-    };
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
-        let before = &bytes[..error.valid_up_to()];
-        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
-        syntax(
-            line,
-            1,
-            "the file is not UTF-8 text; save it as such".to_owned(),
-        )
-    })?;
-    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-    let file: SceneFile = options.from_str(text).map_err(|error| {
-        let at = error.span.start;
-        let mut message = error.code.to_string();
-        if let Some(first) = message.get(..1) {
-            message.replace_range(..1, &first.to_lowercase());
-        }
-        syntax(
-            at.line,
-            at.col,
-            format!("{message}; mend the scene file there"),
-        )
-    })?;
+    let text = RonFile::load(path)?;
+    let file: SceneFile = text.parse()?;
     let mut loader = Loader {
         path,
+        text,
         models: BTreeMap::new(),
         left_out: Vec::new(),
         images: BTreeMap::new(),
@@ -215,13 +191,16 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
 }
 
 impl Loader<'_> {
+    /// A fault of the value at `place`, such as `lights[1].color`.
     pub(super) fn invalid(
         &self,
         place: &str,
         problem: impl Into<String>,
         remedy: &str,
     ) -> SceneError {
-        SceneError::invalid(self.path, place, problem, remedy)
+        let message = format!("{place}: {}", problem.into());
+        let fault = self.text.fault(message, self.text.at(place), &[]);
+        umbrage_compose::Error::from(fault.note(remedy)).into()
     }
 
     /// `value`, where it lies in `range`.

@@ -59,7 +59,7 @@ impl Loader<'_> {
             f64::from(file.intensity),
             0.0..=1e30,
         )?;
-        let kind = self.kind(&file.kind, place)?;
+        let kind = self.kind(&file.kind, &format!("{place}.kind"))?;
         let cookie = match (&file.cookie, &kind) {
             (None, _) => None,
             (Some(cookie), LightKind::Spot { .. }) => {

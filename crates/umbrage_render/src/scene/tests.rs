@@ -472,21 +472,21 @@ fn bad_scene_files_are_refused() {
             "target: (0, 1, 0), near: 5, far: 4",
             "camera.far: it is 4",
         ),
-        ("range: 10", "range: -1", "lights[0].range: it is -1"),
+        ("range: 10", "range: -1", "lights[0].kind.range: it is -1"),
         (
             "outer_degrees: 30",
             "outer_degrees: 95",
-            "lights[0].outer_degrees",
+            "lights[0].kind.outer_degrees",
         ),
         (
             "outer_degrees: 30",
             "outer_degrees: 30, inner_degrees: 30",
-            "lights[0].inner_degrees",
+            "lights[0].kind.inner_degrees",
         ),
         (
             "target: (0, 0, 0)",
             "target: (0, 4, 0)",
-            "lights[0].direction: it has no length",
+            "lights[0].kind.direction: it has no length",
         ),
         (
             "intensity: 2",
@@ -501,7 +501,7 @@ fn bad_scene_files_are_refused() {
         (
             "lights: [",
             "medium: (scattering: -0.1), lights: [",
-            "test.ron: medium.scattering: it is -0.1, but must lie from 0 to 1e6; change it in the scene file",
+            "medium.scattering: it is -0.1, but must lie from 0 to 1e6\n",
         ),
         (
             "lights: [",
@@ -516,7 +516,7 @@ fn bad_scene_files_are_refused() {
         (
             "lights: [",
             "medium: (density: 1),\nlights: [",
-            "test.ron:3:14: unexpected field named `density`",
+            "unexpected field named `density`",
         ),
         ("radius: 0.5", "radius: 0", "models[1].shape.radius"),
         (
@@ -542,7 +542,45 @@ fn bad_scene_files_are_refused() {
         ),
     ];
     for (from, to, expected) in cases {
-        let message = refuse(load_scene(&[(from, to)]));
+        let message = load_scene(&[(from, to)]).expect_err("refused").to_string();
         assert!(message.contains(expected), "{message}\nlacks: {expected}");
     }
+}
+
+#[test]
+fn faults_of_scene_files_have_their_place_and_a_remedy() {
+    let told = |from: &str, to: &str| {
+        let message = load_scene(&[(from, to)]).expect_err("refused").to_string();
+        let line = 1 + GOOD[..GOOD.find(from).expect("in it")]
+            .matches('\n')
+            .count();
+        assert!(message.contains(&format!("test.ron:{line}:")), "{message}");
+        message
+    };
+    let range = told("range: 10", "range: -1");
+    assert!(
+        range.starts_with("lights[0].kind.range: it is -1, but must lie from 1e-6 to 1e12\n"),
+        "{range}"
+    );
+    // The value itself is marked.
+    let marked = range.split_once("range: -1").expect("an excerpt").1;
+    assert!(
+        marked.contains(" ^^\n  = change it in the scene file\n"),
+        "{range}"
+    );
+    let misspelt = told("casts: false", "cast: false");
+    assert!(
+        misspelt.starts_with("unexpected field named `cast`"),
+        "{misspelt}"
+    );
+    assert!(
+        misspelt.ends_with("  = did you mean `casts`?\n"),
+        "{misspelt}"
+    );
+    // What is not written has its place where it would be.
+    let missing = told("target: (0, 1, 0)", "fov_degrees: 30");
+    assert!(
+        missing.contains("either a target or a rotation"),
+        "{missing}"
+    );
 }
