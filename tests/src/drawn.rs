@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, error::Error, path::Path, sync::Arc};
 
 use umbrage::{
-    compose::{self, Composer, Key, Selection},
+    compose::{self, Composer, Key, ProjectedKey, Selection},
     render::{Gpu, RenderOptions, Renderer, Scene, What},
 };
 use umbrage_measure::{
@@ -17,7 +17,7 @@ use crate::registry;
 ///
 /// # Errors
 /// Faults in our shaders.
-pub fn covering(composer: &Composer) -> Result<BTreeSet<Key>, compose::Error> {
+pub fn covering(composer: &Composer) -> Result<BTreeSet<ProjectedKey>, compose::Error> {
     Ok(composer.cover(&Selection::all())?.into_iter().collect())
 }
 
@@ -27,7 +27,7 @@ pub fn covering(composer: &Composer) -> Result<BTreeSet<Key>, compose::Error> {
 ///
 /// # Errors
 /// What cannot be drawn.
-pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<Key>, Box<dyn Error>> {
+pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey>, Box<dyn Error>> {
     let (registry, library) = (umbrage::methods::registry()?, composer.library());
     let methods: Vec<_> = registry.names().map(str::to_owned).collect();
     let scenes = scenes()?;
@@ -109,7 +109,7 @@ fn scenes() -> Result<Vec<(String, Scene)>, Box<dyn Error>> {
 /// Faults in our shaders.
 pub fn of_each_depth(
     composer: &Composer,
-    keys: impl IntoIterator<Item = Key>,
+    keys: impl IntoIterator<Item = ProjectedKey>,
 ) -> Result<BTreeSet<Key>, compose::Error> {
     let library = composer.library();
     let registry = registry();
@@ -129,7 +129,7 @@ pub fn of_each_depth(
                 }
             }
         }
-        all.insert(key);
+        all.insert(key.into());
     }
     Ok(all)
 }

@@ -186,7 +186,7 @@ impl Findings {
             for (place, variant) in part.enumerate() {
                 match is_alone {
                     true => findings.permutations += 1,
-                    false => drop(findings.shared.insert((first, variant.key()))),
+                    false => drop(findings.shared.insert((first, variant.key().into()))),
                 }
                 let checked = subject.composer.check(&variant);
                 findings.warnings.extend(checked.warnings);
@@ -210,7 +210,7 @@ impl Findings {
         let count = variant.count();
         let keys = match count <= TOLD as u128 {
             true => variant.keys(),
-            false => vec![variant.key()],
+            false => vec![variant.key().into()],
         };
         self.failed = self.failed.saturating_add(count);
         let key = variant.key();
@@ -225,7 +225,7 @@ impl Findings {
         for fault in error.into_faults() {
             let found = self.add(fault);
             for choice in &choices {
-                found.meet(choice.clone(), (ordinal.0, key.clone()));
+                found.meet(choice.clone(), (ordinal.0, key.clone().into()));
             }
             found.failed = found.failed.saturating_add(count);
             found.permutations.push(ordinal);

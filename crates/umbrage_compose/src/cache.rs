@@ -8,7 +8,7 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Limit, Pass, Permutation, Reflection, Target,
+    Error, Key, Library, Limit, Pass, Permutation, ProjectedKey, Reflection, Target,
     diagnostics::Written,
     permutation::validate,
     project::Dependencies,
@@ -17,7 +17,7 @@ use crate::{
 
 /// Of what an entry looks like; the header changes with it.
 const KIND: Kind = Kind {
-    header: b"umbrage cache 03",
+    header: b"umbrage cache 04",
     extension: "umbrage",
 };
 
@@ -29,7 +29,7 @@ pub(crate) struct DiskCache(Store);
 
 #[derive(Serialize)]
 struct EntryOut<'a> {
-    key: &'a Key,
+    key: String,
     module: &'a Module,
     reflection: &'a Reflection,
     warnings: &'a [String],
@@ -38,7 +38,7 @@ struct EntryOut<'a> {
 
 #[derive(Deserialize)]
 struct EntryIn {
-    key: Key,
+    key: String,
     module: Module,
     reflection: Reflection,
     warnings: Vec<String>,
@@ -93,7 +93,7 @@ impl DiskCache {
     pub(crate) fn look(
         &self,
         name: &str,
-        (key, pass): (&Key, Option<Pass>),
+        (key, pass): (&ProjectedKey, Option<Pass>),
         target: &Target,
     ) -> Look<Permutation> {
         let decode = |payload: &[u8]| decode(payload, (key, pass), target);
@@ -103,7 +103,7 @@ impl DiskCache {
     /// Keeps `permutation`; a warning where that fails.
     pub(crate) fn keep(&self, name: &str, permutation: &Permutation) -> Option<String> {
         let entry = EntryOut {
-            key: &permutation.key,
+            key: permutation.key.to_string(),
             module: &permutation.module,
             reflection: &permutation.reflection,
             warnings: &permutation.warnings,
@@ -118,17 +118,17 @@ impl DiskCache {
 
 fn decode(
     payload: &[u8],
-    (key, pass): (&Key, Option<Pass>),
+    (key, pass): (&ProjectedKey, Option<Pass>),
     target: &Target,
 ) -> Result<Permutation, &'static str> {
     let entry: EntryIn = postcard::from_bytes(payload).map_err(|_| "it cannot be decoded")?;
-    if entry.key != *key {
+    if entry.key != key.to_string() {
         return Err("it is of another key");
     }
     let capabilities = target.capabilities();
     let info = validate(&entry.module, capabilities).map_err(|_| "its module is not valid")?;
     Ok(Permutation {
-        key: entry.key,
+        key: key.clone(),
         pass,
         module: entry.module,
         capabilities,

@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    Error, Fault, Key, Library, Permutation, Target,
+    Error, Fault, Key, Library, Permutation, ProjectedKey, Target,
     bits::Bits,
     cache::DiskCache,
     checker::Verdicts,
@@ -198,9 +198,10 @@ impl Composer {
     ///
     /// # Errors
     /// Faults in the modules that the key leads to, as far as that takes reading them.
-    pub fn project(&self, key: &Key) -> Result<Key, Error> {
+    pub fn project(&self, key: &Key) -> Result<ProjectedKey, Error> {
         let (request, found) = self.read(key).map_err(|fault| fault.key(key))?;
-        Ok(project(&self.library, &request, &found).unwrap_or_else(|| key.clone()))
+        Ok(project(&self.library, &request, &found)
+            .unwrap_or_else(|| ProjectedKey::of(key.clone())))
     }
 
     /// Relation of `key`'s choice on `axis` to the module that `fault` lies in.
@@ -260,7 +261,8 @@ impl Composer {
 
     fn compose_new(&self, key: &Key) -> Result<Composed, Fault> {
         let (request, found) = self.read(key)?;
-        let projected = project(&self.library, &request, &found).unwrap_or_else(|| key.clone());
+        let projected = project(&self.library, &request, &found)
+            .unwrap_or_else(|| ProjectedKey::of(key.clone()));
         if let Some(permutation) = self.remembered(&projected) {
             return Ok(Composed {
                 permutation,
@@ -338,7 +340,7 @@ impl Composer {
         &self,
         request: &Request,
         found: &Dependencies,
-        key: Key,
+        key: ProjectedKey,
     ) -> Result<Permutation, Fault> {
         let entries = found.entries.iter();
         let entries = entries.map(|(module, entry)| (*module, &**entry));
@@ -357,7 +359,12 @@ impl Composer {
     }
 
     /// Links and validates a permutation, and remembers that its parts are valid.
-    fn prove(&self, targets: &Targets<'_>, reach: &Reach, key: Key) -> Result<Permutation, Fault> {
+    fn prove(
+        &self,
+        targets: &Targets<'_>,
+        reach: &Reach,
+        key: ProjectedKey,
+    ) -> Result<Permutation, Fault> {
         let (library, request) = (&self.library, targets.request);
         let (module, origins) = link(targets, reach, Roots::EntryPoints, false)?;
         let linked = (module, &origins);
@@ -405,7 +412,7 @@ impl Composer {
         let targets = Targets::new(&self.library, request, &with);
         let reach = reach(&targets, request.root, Roots::Declarations)?;
         let (module, origins) = link(&targets, &reach, Roots::Declarations, false)?;
-        let (key, linked) = (Key::default(), (module, &origins));
+        let (key, linked) = (ProjectedKey::of(Key::default()), (module, &origins));
         Permutation::new(&self.library, &self.target, key, request.root, linked)
     }
 
@@ -434,7 +441,7 @@ impl Composer {
     }
 
     /// Projected keys of all permutations that it composed, sorted: what a run of a program needs.
-    pub fn composed(&self) -> Vec<Key> {
+    pub fn composed(&self) -> Vec<ProjectedKey> {
         let memory = self
             .memory
             .read()

@@ -9,7 +9,7 @@ use std::{
     thread,
 };
 
-use crate::{Composer, Error, Key, Selection, Variant, bits::Bits};
+use crate::{Composer, Error, ProjectedKey, Selection, Variant, bits::Bits};
 
 /// One of so many permutations may be chosen, beside those that show a pair first. More make a smaller cover, and more
 /// work.
@@ -19,7 +19,7 @@ const SAMPLE: u64 = 64;
 const PARTS: usize = 256;
 
 /// Permutations that may be chosen, each with its pairs.
-type Candidates = BTreeMap<Key, Bits>;
+type Candidates = BTreeMap<ProjectedKey, Bits>;
 
 impl Composer {
     /// Keys of few permutations of `selection`, in which every pair of choices occurs that occurs in any of its
@@ -31,7 +31,7 @@ impl Composer {
     ///
     /// # Errors
     /// The first fault that keeps a permutation's modules from being read.
-    pub fn cover(&self, selection: &Selection) -> Result<Vec<Key>, Error> {
+    pub fn cover(&self, selection: &Selection) -> Result<Vec<ProjectedKey>, Error> {
         let candidates = self.candidates(selection)?;
         let mut missing = Bits::default();
         candidates.values().for_each(|pairs| missing.union(pairs));

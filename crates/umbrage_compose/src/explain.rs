@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fmt};
 
 use crate::{
-    Composer, Error, Fault, Key, Library,
+    Composer, Error, Fault, Key, Library, ProjectedKey,
     project::{Modules, project},
 };
 
@@ -11,7 +11,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Explanation {
     /// The key that names the permutation.
-    pub permutation: Key,
+    pub permutation: ProjectedKey,
     /// Number of legal keys that make it, at most `u128::MAX`.
     pub keys: u128,
     /// The modules that are read, in the order of reading, and why each is.
@@ -121,7 +121,8 @@ impl Composer {
             .collect();
         features.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(Explanation {
-            permutation: project(library, &request, &found).unwrap_or_else(|| key.clone()),
+            permutation: project(library, &request, &found)
+                .unwrap_or_else(|| ProjectedKey::of(key.clone())),
             keys: library.table().count(&part),
             modules,
             features,

@@ -1,8 +1,8 @@
 //! Keys: a value for each axis, in one spelling.
 
-use std::{collections::BTreeMap, fmt, sync::Arc};
+use std::{fmt, ops::Deref, sync::Arc};
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 
 /// A value for each axis that is not at its default, sorted by axis. Made by
 /// [`Library::key`](crate::Library::key), which knows the axes. Cheap to clone.
@@ -46,10 +46,34 @@ impl Serialize for Key {
     }
 }
 
-impl<'de> Deserialize<'de> for Key {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let choices = BTreeMap::<String, String>::deserialize(deserializer)?;
-        let shared = choices.into_iter().map(|(a, v)| (a.into(), v.into()));
-        Ok(Self::new(shared))
+/// The key that names a permutation: of all keys that make it, the one with defaults as far as they are legal. Made by
+/// [`Composer::project`](crate::Composer::project). It is a key like others, and makes the permutation that it names.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct ProjectedKey(Key);
+
+impl ProjectedKey {
+    /// Calls `key` its own projection.
+    pub(crate) fn of(key: Key) -> Self {
+        Self(key)
+    }
+}
+
+impl Deref for ProjectedKey {
+    type Target = Key;
+
+    fn deref(&self) -> &Key {
+        &self.0
+    }
+}
+
+impl fmt::Display for ProjectedKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl From<ProjectedKey> for Key {
+    fn from(projected: ProjectedKey) -> Self {
+        projected.0
     }
 }

@@ -143,7 +143,7 @@ pub use cache::NAGA_VERSION;
 pub use composer::{Checked, Composed, Composer, Nearness, Source};
 pub use error::{Cause, Error, Fault, Location};
 pub use explain::{Explanation, Feature, Reason};
-pub use key::Key;
+pub use key::{Key, ProjectedKey};
 pub use library::Library;
 pub use link_file::link_file;
 pub use manifest::Manifest;

@@ -14,7 +14,7 @@ use naga::{
 use rustc_hash::FxHashSet;
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Pass, Reflection, Target,
+    Cause, Error, Fault, Library, Pass, ProjectedKey, Reflection, Target,
     diagnostics::{Places, Written},
     lacking,
     link::Origins,
@@ -29,7 +29,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
-    pub key: Key,
+    pub key: ProjectedKey,
     /// How it is run, where its axes tell.
     pub pass: Option<Pass>,
     /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
@@ -53,7 +53,7 @@ impl Permutation {
     pub(crate) fn new(
         library: &Library,
         target: &Target,
-        key: Key,
+        key: ProjectedKey,
         root: usize,
         (module, origins): (Module, &Origins),
     ) -> Result<Self, Fault> {
@@ -105,7 +105,7 @@ impl Permutation {
     pub(crate) fn of_valid(
         library: &Library,
         target: &Target,
-        key: Key,
+        key: ProjectedKey,
         (module, origins): (Module, Origins),
         uses: &Uses,
     ) -> Self {

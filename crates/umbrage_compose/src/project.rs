@@ -7,8 +7,8 @@
 use std::{collections::BTreeSet, sync::Arc};
 
 use crate::{
-    Fault, Key, Library, bits::Bits, composer::Entry, features::Consulted, library::Request,
-    prepare::Prepared,
+    Fault, Library, ProjectedKey, bits::Bits, composer::Entry, features::Consulted,
+    library::Request, prepare::Prepared,
 };
 
 /// What a request's permutation depends on.
@@ -63,8 +63,12 @@ pub(crate) fn dependencies(
 
 /// The key that names the permutation of `request`, which depends on what was `found`: of all legal keys that give the
 /// same answers, the one with defaults as far as they are legal. None where `request` is of no legal key.
-pub(crate) fn project(library: &Library, request: &Request, found: &Dependencies) -> Option<Key> {
+pub(crate) fn project(
+    library: &Library,
+    request: &Request,
+    found: &Dependencies,
+) -> Option<ProjectedKey> {
     let table = library.table();
     let part = table.same(request, found);
-    Some(table.key(&table.first(&part)?))
+    Some(ProjectedKey::of(table.key(&table.first(&part)?)))
 }

@@ -11,7 +11,7 @@ use std::{
 };
 
 use crate::{
-    Cause, Composer, Error, Fault, Key, Library,
+    Cause, Composer, Error, Fault, Key, Library, ProjectedKey,
     bits::Bits,
     composer::Entry,
     library::Request,
@@ -82,8 +82,8 @@ pub(crate) struct ReadModule {
 impl<'a> Variant<'a> {
     /// Its key: of all legal keys that make it, the one with defaults as far as possible. It is the
     /// [projection](Composer::project) of each of them.
-    pub fn key(&self) -> Key {
-        self.table().key(&self.chosen)
+    pub fn key(&self) -> ProjectedKey {
+        ProjectedKey::of(self.table().key(&self.chosen))
     }
 
     /// The fault that keeps its modules from being read, where there is one.

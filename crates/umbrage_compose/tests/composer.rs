@@ -12,7 +12,7 @@ use std::{
 };
 
 use umbrage_compose::{
-    BindingKind, Composer, Key, Library, Manifest, Package, Source, Stage, Target,
+    BindingKind, Composer, Key, Library, Manifest, Package, ProjectedKey, Source, Stage, Target,
 };
 
 fn library() -> Library {
@@ -118,7 +118,7 @@ fn projections_and_shaders_are_one_to_one() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../permutations/demo.ron");
     let manifest = Manifest::load(&path).unwrap_or_else(|error| panic!("{error}"));
     let composer = Composer::new(manifest.library().clone(), Target::webgpu());
-    let mut shaders: BTreeMap<String, BTreeSet<Key>> = BTreeMap::new();
+    let mut shaders: BTreeMap<String, BTreeSet<ProjectedKey>> = BTreeMap::new();
     let variants = composer.select(manifest.selection());
     let keys: Vec<_> = variants.flat_map(|variant| variant.keys()).collect();
     for key in &keys {

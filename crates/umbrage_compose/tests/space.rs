@@ -11,7 +11,9 @@ use std::{
 
 use naga::valid::{ValidationFlags, Validator};
 use proptest::prelude::*;
-use umbrage_compose::{Composer, Key, Library, Manifest, Package, Selection, Target, Variant};
+use umbrage_compose::{
+    Composer, Key, Library, Manifest, Package, ProjectedKey, Selection, Target, Variant,
+};
 
 mod generated;
 
@@ -25,7 +27,7 @@ fn library(files: &[(&str, &str)]) -> Library {
 }
 
 /// Distinct permutations, found by listing keys: each with its keys.
-fn listed(composer: &Composer, keys: &[Key]) -> BTreeMap<Key, Vec<Key>> {
+fn listed(composer: &Composer, keys: &[Key]) -> BTreeMap<ProjectedKey, Vec<Key>> {
     let mut permutations: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for key in keys {
         let projected = composer
@@ -64,7 +66,7 @@ proptest! {
             prop_assert!(found.insert(key));
         }
         prop_assert_eq!(found.len(), listed.len());
-        let order = |parts: Vec<umbrage_compose::Variants<'_>>| -> Vec<Key> {
+        let order = |parts: Vec<umbrage_compose::Variants<'_>>| -> Vec<ProjectedKey> {
             parts.into_iter().flatten().map(|variant| variant.key()).collect()
         };
         let whole = order(vec![composer.variants()]);

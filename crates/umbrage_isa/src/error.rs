@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf, process::ExitStatus, time::Duration};
 
-use umbrage_compose::Key;
+use umbrage_compose::ProjectedKey;
 
 /// Why there are no figures.
 #[derive(Debug, thiserror::Error)]
@@ -74,7 +74,7 @@ pub enum IsaError {
     #[error("the driver crashed ({status}) at the permutation {key}; it said: {said}")]
     Crashed {
         /// The permutation's key.
-        key: Key,
+        key: ProjectedKey,
         /// How it ended.
         status: ExitStatus,
         /// Its words.
@@ -84,7 +84,7 @@ pub enum IsaError {
     #[error("the driver took longer than {} s for the permutation {key} and was ended", .limit.as_secs_f64())]
     TimedOut {
         /// The permutation's key.
-        key: Key,
+        key: ProjectedKey,
         /// How long it was waited for.
         limit: Duration,
     },
@@ -92,7 +92,7 @@ pub enum IsaError {
     #[error("the permutation {key} cannot be compiled: {reason}")]
     Refused {
         /// The permutation's key.
-        key: Key,
+        key: ProjectedKey,
         /// Why.
         reason: String,
     },
@@ -103,7 +103,7 @@ pub enum IsaError {
     )]
     Statistic {
         /// The permutation's key.
-        key: Key,
+        key: ProjectedKey,
         /// The stage's entry point.
         entry_point: String,
         /// What is missing.

@@ -2,7 +2,7 @@
 
 use std::{io::Cursor, path::Path};
 
-use umbrage_compose::{Key, Permutation, Purpose, Source};
+use umbrage_compose::{Permutation, ProjectedKey, Purpose, Source};
 use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
@@ -171,7 +171,7 @@ pub struct PassTime {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PermutationUse {
     /// Its projected key.
-    pub key: Key,
+    pub key: ProjectedKey,
     /// What its pass is for.
     pub purpose: Purpose,
     /// Whether it was linked for this picture, or came from a cache.

@@ -10,7 +10,7 @@ use common::{
     renderer, scene, small,
 };
 use glam::{DVec2, DVec3};
-use umbrage_compose::Key;
+use umbrage_compose::ProjectedKey;
 use umbrage_render::{Gpu, Path, Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 use umbrage_shadow::{Frame, Region, ShadowPlan};
 
@@ -122,7 +122,7 @@ fn tapering_filters_are_one_on_all_paths() {
             // A constant width for each split, each less by two texels than the one before.
             let used = split.report.permutations.iter().map(|used| &used.key);
             let constant =
-                |key: &&Key| key.get("pass") == Some("mask") && key.get("taper").is_none();
+                |key: &&ProjectedKey| key.get("pass") == Some("mask") && key.get("taper").is_none();
             let widths = used
                 .filter(constant)
                 .map(|key| key.get("pcf").unwrap_or("3"));

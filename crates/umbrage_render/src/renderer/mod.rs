@@ -25,7 +25,7 @@ use std::{
 };
 
 use glam::Mat4;
-use umbrage_compose::{Composer, Key};
+use umbrage_compose::{Composer, ProjectedKey};
 use umbrage_shadow::{Aabb, PlanError, Registry, TextureDesc, View};
 
 use self::{
@@ -48,8 +48,8 @@ pub struct Renderer {
     composer: Arc<Composer>,
     registry: Registry,
     assets: Assets,
-    pipelines: HashMap<(Key, DrawState), Arc<Pipeline>>,
-    computations: HashMap<(Key, BTreeSet<String>), Arc<Computation>>,
+    pipelines: HashMap<(ProjectedKey, DrawState), Arc<Pipeline>>,
+    computations: HashMap<(ProjectedKey, BTreeSet<String>), Arc<Computation>>,
     shadow_maps: BTreeMap<TextureId, (TextureDesc, wgpu::Texture)>,
     white: Arc<Image>,
 }
