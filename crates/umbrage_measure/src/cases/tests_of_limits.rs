@@ -210,7 +210,7 @@ fn what_says_nothing_or_too_much_is_refused() {
     }
     assert_eq!(
         refusal("(variants: [], every: {}, cases: {}"),
-        "limits.ron:1:35: Expected comma"
+        "limits.ron:1:35: expected comma"
     );
 }
 
