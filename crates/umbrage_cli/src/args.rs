@@ -232,14 +232,24 @@ pub(crate) enum Path {
     MaskBySplit,
 }
 
+/// Permutations that no manifest selects.
+#[derive(Args)]
+pub(crate) struct KeyArgs {
+    /// A key, as faults print it, such as light=spot,pass=shadow_term; may be repeated.
+    #[arg(long = "key", value_name = "KEY")]
+    pub(crate) keys: Vec<String>,
+    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
+    #[arg(long = "package", value_name = "DIR", num_args = 1..)]
+    pub(crate) packages: Vec<PathBuf>,
+}
+
 #[derive(Args)]
 pub(crate) struct CheckArgs {
-    /// The manifests; without any, every permutation of the packages.
-    #[arg(value_name = "MANIFEST")]
+    /// The manifests; without any, the keys, and without these every permutation of the packages.
+    #[arg(value_name = "MANIFEST", conflicts_with_all = ["keys", "packages"])]
     pub(crate) manifests: Vec<PathBuf>,
-    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
-    #[arg(long = "package", value_name = "DIR", num_args = 1.., conflicts_with = "manifests")]
-    pub(crate) packages: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) keys: KeyArgs,
     /// What to validate for, in place of the manifests' own targets; vulkan is this machine's adapter.
     #[arg(long, value_parser = NAMES)]
     pub(crate) target: Option<String>,
@@ -250,11 +260,11 @@ pub(crate) struct CheckArgs {
 
 #[derive(Args)]
 pub(crate) struct ListArgs {
-    /// The manifest; without one, every permutation of the packages.
+    /// The manifest; without one, the keys, and without these every permutation of the packages.
+    #[arg(conflicts_with_all = ["keys", "packages"])]
     pub(crate) manifest: Option<PathBuf>,
-    /// A package's folder; without any, Umbrage's own shaders. Packages that it names in its wesl.toml come with it.
-    #[arg(long = "package", value_name = "DIR", num_args = 1.., conflicts_with = "manifest")]
-    pub(crate) packages: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) keys: KeyArgs,
     /// Prints the result as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -275,9 +285,11 @@ pub(crate) struct ExplainArgs {
 
 #[derive(Args)]
 pub(crate) struct PrebuildArgs {
-    /// The manifests.
-    #[arg(required = true, value_name = "MANIFEST")]
+    /// The manifests; without any, the keys.
+    #[arg(required_unless_present = "keys", value_name = "MANIFEST", conflicts_with_all = ["keys", "packages"])]
     pub(crate) manifests: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) keys: KeyArgs,
     /// The folder to write: new, empty, or an earlier prebuild, which is replaced as a whole.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
@@ -285,8 +297,11 @@ pub(crate) struct PrebuildArgs {
 
 #[derive(Args)]
 pub(crate) struct CostArgs {
-    /// The manifest.
-    pub(crate) manifest: PathBuf,
+    /// The manifest; without one, the keys.
+    #[arg(required_unless_present = "keys", conflicts_with_all = ["keys", "packages"])]
+    pub(crate) manifest: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) keys: KeyArgs,
     /// The GPU family to compile for, by Mesa's name; without it the budget's, or else navi21.
     #[arg(long)]
     pub(crate) family: Option<String>,
@@ -301,9 +316,13 @@ pub(crate) struct CostArgs {
 #[derive(Args)]
 pub(crate) struct LinkArgs {
     /// The module: all that it declares, and all that this reaches, is printed.
-    pub(crate) file: PathBuf,
+    #[arg(required_unless_present = "key")]
+    pub(crate) file: Option<PathBuf>,
+    /// A key, as faults print it, whose permutation is printed in place of a module.
+    #[arg(long, value_name = "KEY", conflicts_with_all = ["file", "features", "bindings"])]
+    pub(crate) key: Option<String>,
     /// The folder that `package::` stands for; by default the nearest above the file with a wesl.toml,
-    /// or else the file's own.
+    /// or else the file's own. Of a key, the package's folder; by default Umbrage's own shaders.
     #[arg(long, value_name = "DIR")]
     pub(crate) package: Option<PathBuf>,
     /// A feature that is on; may be given again.

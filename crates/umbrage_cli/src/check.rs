@@ -19,7 +19,7 @@ use crate::{
     args::CheckArgs,
     cause::{Axis, Checked, smallest_cause, subjects as bits},
     output::{print_json, progress},
-    packages::library,
+    packages::selected,
     targets::target,
 };
 
@@ -126,10 +126,11 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
         }
     }
     if args.manifests.is_empty() {
-        let target = target(args.target.as_deref().unwrap_or("webgpu"))?;
+        let manifest = selected(&args.keys)?;
+        let target = target(args.target.as_deref().unwrap_or(manifest.target()))?;
         subjects.push(Subject {
-            composer: Composer::new(library(&args.packages)?, target),
-            selection: Selection::all(),
+            composer: Composer::new(manifest.library().clone(), target),
+            selection: manifest.selection().clone(),
             origin: None,
             packages: BTreeMap::new(),
         });

@@ -11,6 +11,7 @@ use umbrage_isa::{Budget, CompilerOptions, IsaError, PipelineState, StageCost, c
 use crate::{
     args::CostArgs,
     output::{print, print_json, progress},
+    packages::selected,
     targets::target,
 };
 
@@ -65,8 +66,9 @@ struct Subject {
 
 pub(crate) fn cost(args: &CostArgs) -> Result<ExitCode> {
     let report = examine(args).with_context(|| {
-        let path = args.manifest.display();
-        format!("what the permutations of {path} cost cannot be told")
+        let named = args.manifest.as_ref();
+        let named = named.map_or("--key".to_owned(), |path| path.display().to_string());
+        format!("what the permutations of {named} cost cannot be told")
     })?;
     if args.json {
         print_json(&report)?;
@@ -89,7 +91,10 @@ pub(crate) fn cost(args: &CostArgs) -> Result<ExitCode> {
 }
 
 fn examine(args: &CostArgs) -> Result<Report> {
-    let manifest = Manifest::load(&args.manifest)?;
+    let manifest = match &args.manifest {
+        Some(path) => Manifest::load(path)?,
+        None => selected(&args.keys)?,
+    };
     let axes = manifest.library().axes();
     let budget = args.budget.as_deref();
     let budget = budget.map(|path| Budget::load(path, axes)).transpose()?;

@@ -1,30 +1,44 @@
-//! `umbrage link`: one module with all that it reaches, as WGSL.
+//! `umbrage link`: one module with all that it reaches, or a key's permutation, as WGSL.
 
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 
 use anyhow::{Context, Result};
-use umbrage::compose::{Target, link_file};
+use umbrage::compose::{Composer, Permutation, Target, link_file};
 
-use crate::{args::LinkArgs, output::print};
+use crate::{args::LinkArgs, output::print, packages::library};
 
 pub(crate) fn link(args: &LinkArgs) -> Result<ExitCode> {
-    let package = args.package.clone().or_else(|| package_of(&args.file));
-    let permutation = link_file(
-        &args.file,
-        package.as_deref(),
-        &args.features,
-        &args.bindings,
-        Target::default(),
-    )
-    .with_context(|| format!("{} cannot be linked", args.file.display()))?;
+    let permutation = match (&args.file, &args.key) {
+        (Some(file), _) => Arc::new(module(file, args)?),
+        (None, key) => {
+            let library = library(args.package.as_slice())?;
+            let key = library.parse_key(key.as_deref().unwrap_or(""))?;
+            Composer::new(library, Target::default())
+                .compose(&key)?
+                .permutation
+        }
+    };
     for warning in &permutation.warnings {
         eprintln!("warning: {warning}");
     }
     print(&permutation.wgsl()?)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn module(file: &Path, args: &LinkArgs) -> Result<Permutation> {
+    let package = args.package.clone().or_else(|| package_of(file));
+    link_file(
+        file,
+        package.as_deref(),
+        &args.features,
+        &args.bindings,
+        Target::default(),
+    )
+    .with_context(|| format!("{} cannot be linked", file.display()))
 }
 
 /// The folder of the package that `file` lies in: the nearest above it with a `wesl.toml`.

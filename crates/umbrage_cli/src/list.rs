@@ -14,7 +14,7 @@ use umbrage::compose::{Composer, Error, Manifest, Selection, Target, Variants};
 use crate::{
     args::ListArgs,
     output::{print, print_json},
-    packages::library,
+    packages::selected,
 };
 
 /// What `--json` prints.
@@ -39,20 +39,19 @@ struct ListedAxis {
 }
 
 pub(crate) fn list(args: &ListArgs) -> Result<ExitCode> {
-    let (library, selection) = match &args.manifest {
+    let manifest = match &args.manifest {
         Some(path) => {
-            let manifest = Manifest::load(path)
-                .with_context(|| format!("{} cannot be listed", path.display()))?;
-            (manifest.library().clone(), manifest.selection().clone())
+            Manifest::load(path).with_context(|| format!("{} cannot be listed", path.display()))?
         }
-        None => (library(&args.packages)?, Selection::all()),
+        None => selected(&args.keys)?,
     };
     // Nothing is composed: which permutations there are is the same for all targets.
-    let composer = Composer::new(library, Target::webgpu());
-    let listing = Listing::new(&composer, &selection).with_context(|| match &args.manifest {
-        Some(path) => format!("{} cannot be listed", path.display()),
-        None => "the permutations cannot be listed".to_owned(),
-    })?;
+    let composer = Composer::new(manifest.library().clone(), Target::webgpu());
+    let listing =
+        Listing::new(&composer, manifest.selection()).with_context(|| match &args.manifest {
+            Some(path) => format!("{} cannot be listed", path.display()),
+            None => "the permutations cannot be listed".to_owned(),
+        })?;
     if args.json {
         print_json(&listing)?;
     } else {

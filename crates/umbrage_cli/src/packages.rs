@@ -1,9 +1,23 @@
-//! Packages by their folders in arguments.
+//! Packages and their keys in arguments.
 
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use umbrage::compose::{Library, Package};
+use umbrage::compose::{Library, Manifest, Package, Selection};
+
+use crate::args::KeyArgs;
+
+/// What `args` select: their keys, or without any the whole space of their packages.
+pub(crate) fn selected(args: &KeyArgs) -> Result<Manifest> {
+    let library = library(&args.packages)?;
+    let keys = args.keys.iter().map(|text| Ok(library.parse_key(text)?));
+    let keys = keys.collect::<Result<Vec<_>>>()?;
+    let selection = match keys.as_slice() {
+        [] => Selection::all(),
+        keys => Selection::of(&library, keys),
+    };
+    Ok(Manifest::of(library, selection))
+}
 
 /// The library of the packages in `folders`, each called like its folder; without any, our own.
 pub(crate) fn library(folders: &[PathBuf]) -> Result<Library> {

@@ -16,6 +16,7 @@ use crate::{
     args::PrebuildArgs,
     folder::{Kind, store},
     output::progress,
+    packages::selected,
     targets::target,
 };
 
@@ -82,18 +83,28 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
     PREBUILD.check_replaceable(&args.out)?;
     let mut keys: BTreeMap<String, Files> = BTreeMap::new();
     let mut permutations: BTreeMap<String, Built> = BTreeMap::new();
-    for path in &args.manifests {
-        let built =
-            build(path).with_context(|| format!("{} cannot be prebuilt", path.display()))?;
+    let named = args.manifests.iter();
+    let mut sources: Vec<_> = named
+        .map(|path| (path.display().to_string(), Some(path)))
+        .collect();
+    if sources.is_empty() {
+        sources.push(("what --key names".to_owned(), None));
+    }
+    for (source, path) in sources {
+        let manifest = match path {
+            Some(path) => Manifest::load(path).map_err(Into::into),
+            None => selected(&args.keys),
+        };
+        let built = manifest.and_then(|manifest| build(&manifest));
+        let built = built.with_context(|| format!("{source} cannot be prebuilt"))?;
         for (sharing, built) in built {
             let files = built.files();
             for key in sharing {
                 let known = keys.entry(key.to_string()).or_insert_with(|| files.clone());
                 if *known != files {
                     bail!(
-                        "{} and a manifest before it give the key {key} different permutations; \
-                         prebuild them into folders of their own",
-                        path.display()
+                        "{source} and a manifest before it give the key {key} different permutations; \
+                         prebuild them into folders of their own"
                     );
                 }
             }
@@ -153,8 +164,7 @@ fn tell_lost<'a>(permutations: impl Iterator<Item = &'a Built>) {
 }
 
 /// Composes each permutation of a manifest once.
-fn build(path: &Path) -> Result<Vec<(Vec<Key>, Built)>> {
-    let manifest = Manifest::load(path)?;
+fn build(manifest: &Manifest) -> Result<Vec<(Vec<Key>, Built)>> {
     let composer = Composer::new(manifest.library().clone(), target(manifest.target())?);
     let variants: Vec<_> = composer.select(manifest.selection()).collect();
     let bar = progress("prebuilding", variants.len());

@@ -97,6 +97,16 @@ impl Manifest {
         })
     }
 
+    /// What a manifest would be that selects these keys of a library, for the default target: of no packages' folders.
+    pub fn of(library: Library, selection: Selection) -> Self {
+        Self {
+            packages: BTreeMap::new(),
+            library,
+            selection,
+            target: default_target(),
+        }
+    }
+
     /// The folder of each package that the manifest names, with links followed.
     pub fn packages(&self) -> &BTreeMap<String, PathBuf> {
         &self.packages

@@ -31,6 +31,15 @@ impl Selection {
         Self::default()
     }
 
+    /// `keys` of `library` and no others.
+    pub fn of<'a>(library: &Library, keys: impl IntoIterator<Item = &'a Key>) -> Self {
+        let keys: BTreeSet<_> = keys.into_iter().collect();
+        let only = |key| library.table().only(library.axes(), key);
+        Self {
+            parts: Some(keys.into_iter().map(only).collect()),
+        }
+    }
+
     /// Whether some key has `value`.
     pub fn has(&self, library: &Library, value: ValueId) -> bool {
         let table = library.table();

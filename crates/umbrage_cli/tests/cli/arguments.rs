@@ -1,6 +1,6 @@
 //! Arguments that cannot be used.
 
-use super::{refusal, stderr, stdout, umbrage, umbrage_with};
+use super::{json, refusal, stderr, stdout, umbrage, umbrage_with};
 
 const SCENE: &str = "examples/scenes/bunny_sun.ron";
 
@@ -167,4 +167,57 @@ fn no_cause_is_told_twice() {
             );
         }
     }
+}
+
+/// Every command that is about permutations takes a key as faults print it.
+#[test]
+fn a_key_is_taken_as_it_is_printed() {
+    const KEY: &str = "light=spot,method=basic,pass=shadow_term";
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out").display().to_string();
+    let said = |args: &[&str]| {
+        let output = umbrage(args);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{args:?}: {}",
+            stderr(&output)
+        );
+        stdout(&output).to_owned()
+    };
+    assert_eq!(
+        json(&umbrage(&["check", "--key", KEY, "--json"]))["permutations"],
+        1
+    );
+    let both = [
+        "list",
+        "--key",
+        KEY,
+        "--key",
+        "pass=base",
+        "--key",
+        KEY,
+        "--json",
+    ];
+    assert_eq!(json(&umbrage(&both))["keys"], 2);
+    assert!(said(&["explain", KEY]).contains(KEY));
+    assert!(said(&["link", "--key", KEY]).contains("fn fs_shadow_term"));
+    assert!(said(&["cost", "--key", KEY]).contains(KEY));
+    said(&["prebuild", "--key", KEY, "--out", &out]);
+    let index = std::fs::read_to_string(folder.path().join("out/index.json")).expect("an index");
+    assert!(index.contains(KEY), "{index}");
+
+    let bad = "light=spto,pass=shadow_term";
+    for args in [
+        &["check", "--key", bad][..],
+        &["list", "--key", bad],
+        &["explain", bad],
+        &["link", "--key", bad],
+        &["cost", "--key", bad],
+        &["prebuild", "--key", bad, "--out", &out],
+    ] {
+        let said = refusal(args);
+        assert!(said.contains("did you mean `spot`"), "{args:?}: {said}");
+    }
+    assert!(refusal(&["check", "permutations/demo.ron", "--key", KEY]).contains("cannot be used"));
 }

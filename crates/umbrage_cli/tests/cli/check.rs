@@ -28,12 +28,12 @@ fn the_whole_space_is_faultless() {
         (&report["failed"], &report["faults"], &report["warnings"]),
         (&json!(0), &json!([]), &json!([]))
     );
-    // More than a million permutations of more than a billion keys.
+    // More than a million permutations of many more keys.
     assert!(
         report["permutations"].as_u64() > Some(1_000_000),
         "{report}"
     );
-    assert!(report["keys"].as_u64() > Some(1_000_000_000), "{report}");
+    assert!(report["keys"].as_u64() > Some(500_000_000), "{report}");
 }
 
 #[test]
