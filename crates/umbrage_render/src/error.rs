@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use umbrage_shadow::{PlanError, RegistryError, SettingsError};
+use umbrage_shadow::PlanError;
 
 use crate::{GpuError, renderer::MOST_SHAFT_STEPS};
 
@@ -36,13 +36,13 @@ pub enum RenderError {
     /// A permutation could not be composed.
     #[error(transparent)]
     Compose(#[from] umbrage_compose::Error),
-    /// A light names a method that does not exist.
-    #[error("light `{light}`: {source}; change its method in the scene")]
-    UnknownMethod {
+    /// A light's shadow is to be found by what there is not.
+    #[error("light `{light}`: {source}; change what it or the options choose")]
+    Shadow {
         /// The light.
         light: String,
         /// Why.
-        source: RegistryError,
+        source: ShadowError,
     },
     /// A choice of an axis that does not exist, or that is not to be chosen there.
     #[error("{place} chooses `{axis}`, {problem}")]
@@ -53,16 +53,6 @@ pub enum RenderError {
         axis: String,
         /// What is wrong with it.
         problem: String,
-    },
-    /// A light's settings were refused by its method.
-    #[error("light `{light}`, method `{method}`: {source}; change the setting in the scene")]
-    Settings {
-        /// The light.
-        light: String,
-        /// The method.
-        method: String,
-        /// Why.
-        source: SettingsError,
     },
     /// A method cannot shadow a light.
     #[error(

@@ -57,6 +57,6 @@ pub use pack::{PackError, pack, pack_buffer};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
-    Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
-    Shadow, Staging, Texture, Wrap, look_along,
+    Camera, CheckedShadow, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene,
+    SceneError, SceneLight, Shadow, ShadowError, Staging, Texture, Wrap, look_along,
 };

@@ -318,7 +318,7 @@ fn options_that_cannot_be_met_are_refused() {
         ),
         (
             r#"(method: "basic", axes: {"pcf": "4"})"#,
-            "`4` is none of its values",
+            "axis `pcf` has no value `4` (known: 1, 11,",
         ),
         (
             r#"(method: "basic", settings: {"resolution": -1})"#,

@@ -33,7 +33,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use umbrage_render::LeftOut;
+use umbrage_render::{LeftOut, Path};
 
 use crate::figures::Figures;
 
@@ -110,8 +110,8 @@ pub struct Row {
     pub method: String,
     /// The configuration's name.
     pub config: String,
-    /// How the shadow term reached the surface: `forward`, or by way of a `mask`.
-    pub path: String,
+    /// How the shadow term reached the surface.
+    pub path: Path,
     /// The errors.
     #[serde(flatten)]
     pub figures: Figures,

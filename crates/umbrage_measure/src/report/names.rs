@@ -42,8 +42,7 @@ impl Names {
     pub(super) fn row(&self, row: &Row) -> String {
         let mut name = format!("{} {}", row.method, row.config);
         if self.paths {
-            name.push_str(" · ");
-            name.push_str(&row.path);
+            name = format!("{name} · {}", row.path);
         }
         name
     }

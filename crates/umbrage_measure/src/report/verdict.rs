@@ -96,7 +96,7 @@ fn least<'a>(rows: &[&'a Row], keys: [fn(&Row) -> f64; 3]) -> Option<&'a Row> {
 }
 
 fn by_name(a: &Row, b: &Row) -> std::cmp::Ordering {
-    let name = |row: &'_ Row| (row.method.clone(), row.config.clone(), row.path.clone());
+    let name = |row: &'_ Row| (row.method.clone(), row.config.clone(), row.path);
     name(a).cmp(&name(b))
 }
 

@@ -2,7 +2,7 @@
 
 use umbrage_compose::Stage;
 use umbrage_isa::{Compiler, Isa, PipelineState};
-use umbrage_render::{Path, RenderError, Rendered, Scene};
+use umbrage_render::{RenderError, Rendered, Scene};
 
 use super::{
     Config, Lab, Progress, StudyError,
@@ -219,11 +219,7 @@ impl Run<'_> {
             scene: self.name.to_owned(),
             method: config.method.clone(),
             config: config.name.clone(),
-            path: match config.path {
-                Path::Forward => "forward".to_owned(),
-                Path::Mask => "mask".to_owned(),
-                Path::MaskBySplit => "mask_by_split".to_owned(),
-            },
+            path: config.path,
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,
             texels: report.texels,

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 use umbrage_compose::{Library, RonFile};
-use umbrage_render::{Path, RenderOptions};
-use umbrage_shadow::{Registry, Settings, ShadowMethod};
+use umbrage_render::{Path, RenderOptions, Shadow};
+use umbrage_shadow::{Registry, ShadowMethod};
 
 use super::StudyError;
 use crate::cases::Limits;
@@ -185,29 +185,17 @@ impl Config {
         }
     }
 
-    fn check(&self, registry: &Registry, library: &Library) -> Result<(), String> {
-        let method = registry.get(&self.method).map_err(|e| e.to_string())?;
-        for (axis, value) in &self.axes {
-            if !method.axes().contains(&axis.as_str()) {
-                let (name, known) = (&self.method, method.axes().join(", "));
-                return Err(format!(
-                    "method `{name}` has no axis `{axis}` (known: {known})"
-                ));
-            }
-            let found = library.axes().get(axis);
-            let values: Vec<_> = found.iter().flat_map(|axis| axis.values()).collect();
-            if !values.contains(&value.as_str()) {
-                let known = values.join(", ");
-                return Err(format!(
-                    "axis `{axis}` has no value `{value}` (known: {known})"
-                ));
-            }
+    /// How it has each light's shadow found.
+    fn shadow(&self) -> Shadow {
+        Shadow {
+            method: self.method.clone(),
+            axes: self.axes.clone(),
+            settings: self.settings.clone(),
         }
-        let chosen = self
-            .settings
-            .iter()
-            .map(|(name, value)| (name.as_str(), *value));
-        Settings::check(method.settings(), chosen).map_err(|error| error.to_string())?;
-        Ok(())
+    }
+
+    fn check(&self, registry: &Registry, library: &Library) -> Result<(), String> {
+        let checked = self.shadow().check(registry, library);
+        checked.map_err(|error| error.to_string()).map(drop)
     }
 }

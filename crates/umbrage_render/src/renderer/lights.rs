@@ -5,14 +5,12 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
 use umbrage_hints::ending;
-use umbrage_shadow::{
-    Constants, Light, LightKind, Registry, Settings, ShadowMethod, Support, Value,
-};
+use umbrage_shadow::{Constants, Light, LightKind, Registry, Support, Value};
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
     RenderError,
-    scene::{Object, Scene, SceneLight, Shadow, look_along},
+    scene::{CheckedShadow, Object, Scene, SceneLight, Shadow, check_value, look_along},
 };
 
 /// A light with its method, both checked.
@@ -20,17 +18,9 @@ pub(super) struct LightSetup<'a> {
     pub(super) source: &'a SceneLight,
     /// Its number in the scene.
     pub(super) index: usize,
-    pub(super) method: Option<MethodSetup<'a>>,
+    pub(super) method: Option<CheckedShadow<'a>>,
     /// Whether it goes through a medium.
     pub(super) in_medium: bool,
-}
-
-/// A light's method and what is chosen for it.
-pub(super) struct MethodSetup<'a> {
-    pub(super) method: &'a dyn ShadowMethod,
-    pub(super) settings: Settings,
-    /// A value for each of the method's axes.
-    pub(super) axes: BTreeMap<String, String>,
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.
@@ -59,15 +49,7 @@ pub(super) fn set_up<'a>(
     library: &Library,
 ) -> Result<Vec<LightSetup<'a>>, RenderError> {
     for (axis, value) in &options.axes {
-        if OWN_AXES.contains(&axis.as_str()) {
-            return Err(RenderError::Axis {
-                place: "the options".to_owned(),
-                axis: axis.clone(),
-                problem: "which follows from the scene; choose a method by its own option"
-                    .to_owned(),
-            });
-        }
-        check_value(library, "the options", axis, value)?;
+        check_option(library, axis, value)?;
     }
     let none = Shadow::default();
     let mut setups = Vec::new();
@@ -108,101 +90,69 @@ pub(super) fn set_up<'a>(
 
 fn set_up_method<'a>(
     source: &SceneLight,
-    name: &str,
+    method: &str,
     shadow: &Shadow,
     options: &RenderOptions,
     registry: &'a Registry,
     library: &Library,
-) -> Result<MethodSetup<'a>, RenderError> {
+) -> Result<CheckedShadow<'a>, RenderError> {
     let light = source.name.clone();
-    let method = registry
-        .get(name)
-        .map_err(|source| RenderError::UnknownMethod {
+    // Options may choose axes that are no method's, or another's.
+    let known = registry.get(method).ok();
+    let of_method = |axis: &str| known.is_some_and(|known| known.axes().contains(&axis));
+    let chosen = options.axes.iter().filter(|(axis, _)| of_method(axis));
+    let with = |own: &BTreeMap<_, _>| {
+        own.iter()
+            .chain(chosen)
+            .map(|(a, v)| (a.clone(), v.clone()))
+    };
+    let settings = shadow.settings.iter().chain(&options.settings);
+    let shadow = Shadow {
+        method: method.to_owned(),
+        axes: with(&shadow.axes).collect(),
+        settings: settings
+            .map(|(name, value)| (name.clone(), *value))
+            .collect(),
+    };
+    let checked = shadow
+        .check(registry, library)
+        .map_err(|source| RenderError::Shadow {
             light: light.clone(),
             source,
         })?;
-    if let Support::No(reason) = method.supports(&source.light) {
+    if let Support::No(reason) = checked.method.supports(&source.light) {
         return Err(RenderError::Unsupported {
             light,
-            method: name.to_owned(),
+            method: method.to_owned(),
             reason,
         });
     }
-    let place = format!("light `{light}`");
-    if let Some(axis) = shadow
-        .axes
-        .keys()
-        .find(|axis| !method.axes().contains(&axis.as_str()))
-    {
-        let known = method.axes().join(", ");
-        let hint = ending(axis, method.axes().iter().copied());
-        let problem =
-            format!("but method `{name}` has no axis of that name (known: {known}){hint}");
-        return Err(RenderError::Axis {
-            place,
-            axis: axis.clone(),
-            problem,
-        });
-    }
-    let mut axes = BTreeMap::new();
-    for &axis in method.axes() {
-        let value = options.axes.get(axis).or_else(|| shadow.axes.get(axis));
-        let value = match (
-            value,
-            library.axes().get(axis).and_then(|a| a.default.clone()),
-        ) {
-            (Some(value), _) => value.clone(),
-            (None, Some(default)) => default,
-            (None, None) => String::new(),
-        };
-        check_value(library, &place, axis, &value)?;
-        axes.insert(axis.to_owned(), value);
-    }
-    let chosen = shadow
-        .settings
-        .iter()
-        .chain(&options.settings)
-        .map(|(name, value)| (name.as_str(), *value));
-    let settings =
-        Settings::check(method.settings(), chosen).map_err(|source| RenderError::Settings {
-            light,
-            method: name.to_owned(),
-            source,
-        })?;
-    Ok(MethodSetup {
-        method: method.as_ref(),
-        settings,
-        axes,
-    })
+    Ok(checked)
 }
 
-fn check_value(library: &Library, place: &str, axis: &str, value: &str) -> Result<(), RenderError> {
-    let problem = match library.axes().get(axis) {
-        None => {
-            let known: Vec<&str> = library
-                .axes()
-                .iter()
-                .map(|axis| axis.name.as_str())
-                .collect();
-            let hint = ending(axis, known.iter().copied());
-            format!(
-                "but there is no axis of that name (known: {}){hint}",
-                known.join(", ")
-            )
-        }
-        Some(found) if !found.values().any(|known| known == value) => {
-            format!(
-                "but `{value}` is none of its values: {}",
-                found.values().collect::<Vec<_>>().join(", ")
-            )
-        }
-        Some(_) => return Ok(()),
-    };
-    Err(RenderError::Axis {
-        place: place.to_owned(),
+/// Checks what the options choose for an axis.
+fn check_option(library: &Library, axis: &str, value: &str) -> Result<(), RenderError> {
+    let fault = |problem: String| RenderError::Axis {
+        place: "the options".to_owned(),
         axis: axis.to_owned(),
         problem,
-    })
+    };
+    if OWN_AXES.contains(&axis) {
+        let problem = "which follows from the scene; choose a method by its own option";
+        return Err(fault(problem.to_owned()));
+    }
+    if library.axes().get(axis).is_none() {
+        let known: Vec<&str> = library
+            .axes()
+            .iter()
+            .map(|axis| axis.name.as_str())
+            .collect();
+        let (hint, known) = (ending(axis, known.iter().copied()), known.join(", "));
+        return Err(fault(format!(
+            "but there is no axis of that name (known: {known}){hint}"
+        )));
+    }
+    check_value(library, axis, value).map_err(|error| fault(format!("but {error}")))
 }
 
 /// The key of a draw in `pass`: of `object`, where objects are drawn; for a light, where the pass is

@@ -20,6 +20,7 @@ mod timer;
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
+    fmt,
     sync::Arc,
     time::Instant,
 };
@@ -136,6 +137,17 @@ pub enum Path {
     /// [regions](umbrage_shadow::ShadowPlan::regions), with its own permutation; the depth test rejects the pixels of
     /// the others before they are shaded. A light whose plan has none has the one pass of the mask path.
     MaskBySplit,
+}
+
+impl fmt::Display for Path {
+    /// As configurations and reports spell it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Forward => "forward",
+            Self::Mask => "mask",
+            Self::MaskBySplit => "mask_by_split",
+        })
+    }
 }
 
 impl Default for RenderOptions {

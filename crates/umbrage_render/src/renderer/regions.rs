@@ -10,7 +10,6 @@ use umbrage_shadow::{Constants, MAX_REGIONS, Region, Value};
 use super::{
     Renderer,
     draw::{FrameState, LightInputs, Term},
-    lights::MethodSetup,
     masks::{MaskPass, Masked, Masks, TERM, state},
     pipelines::{ColorState, DrawState},
     resources::ShadowResources,
@@ -18,7 +17,10 @@ use super::{
     shadows::bad_plan,
     target::DEPTH,
 };
-use crate::{RenderError, scene::Object};
+use crate::{
+    RenderError,
+    scene::{CheckedShadow, Object},
+};
 
 /// From one region's depth to the next one's, as the shader has it: floats hold each of them exactly.
 const STEP: f32 = 1.0 / 32.0;
@@ -150,7 +152,7 @@ fn ends(regions: &[Region]) -> Constants {
 }
 
 /// Checks what a plan says of its regions.
-pub(super) fn check(setup: &MethodSetup<'_>, regions: &[Region]) -> Result<(), RenderError> {
+pub(super) fn check(setup: &CheckedShadow<'_>, regions: &[Region]) -> Result<(), RenderError> {
     if regions.len() > MAX_REGIONS {
         let problem = format!(
             "{} regions of view depth: {MAX_REGIONS} at the most",

@@ -7,14 +7,8 @@ use umbrage_shadow::{
     Value,
 };
 
-use super::{
-    Renderer,
-    draw::FrameState,
-    lights::{LightSetup, MethodSetup},
-    pipelines::STORED,
-    shadows::bad_plan,
-};
-use crate::RenderError;
+use super::{Renderer, draw::FrameState, lights::LightSetup, pipelines::STORED, shadows::bad_plan};
+use crate::{RenderError, scene::CheckedShadow};
 
 /// What `calc_shadow` reads, or a pass of its plan.
 #[derive(Clone, Default)]
@@ -57,7 +51,7 @@ impl Renderer {
         &mut self,
         frame: &mut FrameState<'_>,
         light: &LightSetup<'_>,
-        setup: &MethodSetup<'_>,
+        setup: &CheckedShadow<'_>,
         plan: &ShadowPlan,
     ) -> Result<Textures, RenderError> {
         use wgpu::TextureUsages as Usage;
@@ -206,7 +200,7 @@ fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
 
 /// What `plan` fills the texture with, checked.
 fn contents<'a>(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     plan: &'a ShadowPlan,
     desc: &TextureDesc,
 ) -> Result<Option<&'a Contents>, RenderError> {

@@ -13,14 +13,14 @@ use super::{
     air::{AIR, LitAir},
     assets::Vertices,
     draw::{FrameState, PassInputs, record},
-    lights::{LightSetup, MethodSetup},
+    lights::LightSetup,
     passes::NamedPass,
     pipelines::{ColorState, DrawState, MAX},
     regions,
     resources::{ShadowResources, Textures},
     timer::Mark,
 };
-use crate::RenderError;
+use crate::{RenderError, scene::CheckedShadow};
 
 impl Renderer {
     /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
@@ -29,7 +29,7 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         (view, seen): (&View, Option<[f64; 2]>),
         light: &LightSetup<'_>,
-        setup: &MethodSetup<'_>,
+        setup: &CheckedShadow<'_>,
         (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
         let mut casting = Vec::new();
@@ -92,7 +92,7 @@ impl Renderer {
     fn check_needs(
         &self,
         light: &LightSetup<'_>,
-        setup: &MethodSetup<'_>,
+        setup: &CheckedShadow<'_>,
         plan: &ShadowPlan,
     ) -> Result<(), RenderError> {
         let there = self.gpu.device.features();
@@ -194,7 +194,7 @@ impl Renderer {
 /// What the passes of one plan share.
 pub(super) struct Job<'a> {
     pub(super) light: &'a LightSetup<'a>,
-    pub(super) setup: &'a MethodSetup<'a>,
+    pub(super) setup: &'a CheckedShadow<'a>,
     pub(super) textures: &'a Textures,
     /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
     pub(super) cause: &'a str,
@@ -209,7 +209,7 @@ pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
 
 fn plan(
     (view, seen): (&View, Option<[f64; 2]>),
-    (light, setup): (&LightSetup<'_>, &MethodSetup<'_>),
+    (light, setup): (&LightSetup<'_>, &CheckedShadow<'_>),
     casters: &[Aabb],
     receivers: &[Aabb],
 ) -> Result<ShadowPlan, RenderError> {
@@ -230,7 +230,7 @@ fn plan(
 
 /// The slots of the casters that `pass` lists, ascending.
 fn slots(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     pass: &CasterPass,
     casting: &[usize],
 ) -> Result<Vec<usize>, RenderError> {
@@ -246,7 +246,7 @@ fn slots(
     Ok(slots)
 }
 
-fn check_casters(setup: &MethodSetup<'_>, pass: &CasterPass) -> Result<(), RenderError> {
+fn check_casters(setup: &CheckedShadow<'_>, pass: &CasterPass) -> Result<(), RenderError> {
     let problem = if pass.depth.is_none() && pass.color.is_none() {
         "casters into no texture"
     } else if !pass.view_proj.is_finite() {
@@ -259,7 +259,7 @@ fn check_casters(setup: &MethodSetup<'_>, pass: &CasterPass) -> Result<(), Rende
 
 /// A texture of the plan.
 pub(super) fn target<'a>(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     textures: &'a Textures,
     name: &str,
 ) -> Result<(&'a TextureDesc, &'a wgpu::Texture), RenderError> {
@@ -274,7 +274,7 @@ pub(super) fn target<'a>(
 
 /// Whether a viewport lies in a texture.
 pub(super) fn check_viewport(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     area: &Viewport,
     desc: &TextureDesc,
 ) -> Result<(), RenderError> {
@@ -293,7 +293,7 @@ pub(super) fn check_viewport(
 
 /// The depth texture that a pass draws into.
 fn depth_target<'a>(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     target: &DepthTarget,
     viewport: &Viewport,
     job: &Job<'a>,
@@ -326,7 +326,7 @@ pub(super) fn is_depth(format: wgpu::TextureFormat) -> bool {
 
 /// The colour texture that a pass draws into, as large as `depth`, where it has that as well.
 fn color_target(
-    setup: &MethodSetup<'_>,
+    setup: &CheckedShadow<'_>,
     color: &ColorTarget,
     depth: Option<&TextureDesc>,
     viewport: &Viewport,
@@ -417,7 +417,7 @@ pub(super) fn depth_attachment(
     }
 }
 
-pub(super) fn bad_plan(setup: &MethodSetup<'_>, problem: &str) -> RenderError {
+pub(super) fn bad_plan(setup: &CheckedShadow<'_>, problem: &str) -> RenderError {
     RenderError::BadPlan {
         method: setup.method.name().to_owned(),
         problem: problem.to_owned(),

@@ -9,6 +9,7 @@ mod left_out;
 mod medium;
 mod model;
 mod own_lights;
+mod shadow;
 mod shapes;
 
 use std::{collections::BTreeMap, path::Path, sync::Arc};
@@ -17,12 +18,14 @@ use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Field, Light, Projection, View, overlap, plain_number};
 
 pub(crate) use self::image::encode_srgb;
+pub(crate) use self::shadow::check_value;
 pub use self::{
     error::SceneError,
     file::look_along,
     image::{Image, Level},
     left_out::LeftOut,
     medium::Medium,
+    shadow::{CheckedShadow, Shadow, ShadowError},
 };
 
 /// What is to be rendered. World space: metres, right-handed, y up.
@@ -126,26 +129,6 @@ pub struct SceneLight {
     pub cookie: Option<Arc<Image>>,
     /// How it casts shadows; none casts none.
     pub shadow: Option<Shadow>,
-}
-
-/// A shadow method and what the scene chooses for it; checked when rendered, as scenes do not know
-/// which methods there are.
-#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shadow {
-    /// The method's name.
-    pub method: String,
-    /// Values of the shader library's axes that belong to the method.
-    #[serde(default)]
-    pub axes: BTreeMap<String, String>,
-    /// The method's numbers.
-    #[serde(default)]
-    pub settings: BTreeMap<String, f64>,
-}
-
-impl Shadow {
-    /// The method of lights that cast no shadows.
-    pub const NONE: &str = "none";
 }
 
 /// The ground and sun made up for a model that comes without a scene.

@@ -124,7 +124,6 @@ fn names_from_outside_stay_text() {
         row.scene = HOSTILE.to_owned();
         row.method = format!("{}{HOSTILE}", row.method);
         row.config = format!("{}{HOSTILE}", row.config);
-        row.path = HOSTILE.to_owned();
     }
     report.scenes[0].name = HOSTILE.to_owned();
     report.adapter = HOSTILE.to_owned();

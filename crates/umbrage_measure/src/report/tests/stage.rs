@@ -15,7 +15,7 @@ pub(in crate::report) fn row(scene: &str, method: &str, config: &str) -> Row {
         scene: scene.to_owned(),
         method: method.to_owned(),
         config: config.to_owned(),
-        path: "forward".to_owned(),
+        path: umbrage_render::Path::Forward,
         time_ratio: 1.0,
         memory_bytes: 4096,
         ..Row::default()
