@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use umbrage_shadow::PlanError;
 
-use crate::{GpuError, renderer::MOST_SHAFT_STEPS};
+use crate::{GpuError, renderer::MOST_SHAFT_STEPS, scene::ShadowError};
 
 /// Why a scene could not be rendered: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -101,15 +101,11 @@ fn set_up_method<'a>(
     let known = registry.get(method).ok();
     let of_method = |axis: &str| known.is_some_and(|known| known.axes().contains(&axis));
     let chosen = options.axes.iter().filter(|(axis, _)| of_method(axis));
-    let with = |own: &BTreeMap<_, _>| {
-        own.iter()
-            .chain(chosen)
-            .map(|(a, v)| (a.clone(), v.clone()))
-    };
+    let axes = shadow.axes.iter().chain(chosen);
     let settings = shadow.settings.iter().chain(&options.settings);
     let shadow = Shadow {
         method: method.to_owned(),
-        axes: with(&shadow.axes).collect(),
+        axes: axes.map(|(a, v)| (a.clone(), v.clone())).collect(),
         settings: settings
             .map(|(name, value)| (name.clone(), *value))
             .collect(),

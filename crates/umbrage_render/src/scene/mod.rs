@@ -12,7 +12,7 @@ mod own_lights;
 mod shadow;
 mod shapes;
 
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Field, Light, Projection, View, overlap, plain_number};
