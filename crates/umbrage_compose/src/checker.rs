@@ -15,9 +15,7 @@ use std::{
     sync::{Arc, OnceLock, PoisonError, RwLock},
 };
 
-use naga::{
-    Expression, Function, GlobalVariable, Handle, Module, ShaderStage, TypeInner, valid::GlobalUse,
-};
+use naga::{Expression, Function, Handle, Module, ShaderStage, TypeInner, valid::GlobalUse};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::{SmallVec, smallvec};
 
@@ -65,8 +63,6 @@ type Context = SmallVec<[u64; 12]>;
 struct Summary {
     /// Variables that it uses, directly or not, and how.
     uses: Vec<(ItemNumber, u8)>,
-    /// What each of them is, as far as limits count it.
-    kinds: Vec<Arc<str>>,
     /// Overrides that it depends on, directly or not.
     overrides: Vec<ItemNumber>,
     /// Stages that may call it.
@@ -93,6 +89,7 @@ impl Verdicts {
         let mut trace = Trace::new(self, targets, reach).ok()?;
         let mut look = |_: Which, context: &Context| known.contexts.get(context).copied();
         let whole = trace.whole(&mut look).ok()?;
+        let whole = trace.with_kinds(whole, &known.by_number).ok()?;
         if !known.wholes.contains(&whole.context) {
             return None;
         }
@@ -244,10 +241,7 @@ impl<'a> Trace<'a> {
             wholes,
         } = known;
         let number = |item: &Item| item.number(library);
-        let variables = module.global_variables.iter().zip(&origins.owners);
-        let variables: Vec<(_, Arc<str>)> = variables
-            .map(|((_, variable), owner)| (number(owner), kind(module, variable).into()))
-            .collect();
+        let variables: Vec<_> = origins.owners.iter().map(number).collect();
         let mut learn = |which: Which, context: &Context| {
             if let Some(found) = contexts.get(context) {
                 return Some(*found);
@@ -278,13 +272,11 @@ impl<'a> Trace<'a> {
             let mut used: Vec<_> = (module.global_variables.iter())
                 .zip(&variables)
                 .filter(|((handle, _), _)| info[*handle] != GlobalUse::empty())
-                .map(|((handle, _), (item, kind))| ((*item, info[handle].bits()), kind.clone()))
+                .map(|((handle, _), item)| (*item, info[handle].bits()))
                 .collect();
             used.sort_unstable();
-            let (uses, kinds) = used.into_iter().unzip();
             let summary = Summary {
-                uses,
-                kinds,
+                uses: used,
                 overrides: overrides(module, function, origins, &number),
                 stages: info.available_stages.bits().into(),
                 may_kill: info.may_kill,
@@ -302,7 +294,8 @@ impl<'a> Trace<'a> {
             contexts.insert(context.clone(), found);
             Some(found)
         };
-        if let Ok(whole) = self.whole(&mut learn) {
+        let whole = self.whole(&mut learn);
+        if let Ok(whole) = whole.and_then(|whole| self.with_kinds(whole, by_number)) {
             wholes.insert(whole.context);
         }
     }
@@ -325,6 +318,18 @@ impl<'a> Trace<'a> {
             context.extend(contexts);
         }
         Ok(Whole { context, summaries })
+    }
+
+    /// `whole` with what each variable is that it uses, as far as limits count it: they do so over all of a stage.
+    fn with_kinds(&self, mut whole: Whole, by_number: &[Arc<Summary>]) -> Result<Whole, Unknown> {
+        for number in &whole.summaries {
+            for ((module, name), _) in &by_number[*number as usize].uses {
+                let unit = self.targets.look(*module as usize)?;
+                let kind = unit.kind(self.targets.library, *name).ok_or(Unknown)?;
+                whole.context.push(kind.into());
+            }
+        }
+        Ok(whole)
     }
 
     fn function(&mut self, id: FunctionId, settle: Settle<'_>) -> Result<u32, Unknown> {
@@ -418,17 +423,6 @@ impl<'a> Trace<'a> {
         });
         names.any(|other| other)
     }
-}
-
-/// What `variable` is, as far as limits count it.
-fn kind(module: &Module, variable: &GlobalVariable) -> String {
-    let inner = &module.types[variable.ty].inner;
-    let class = match inner {
-        TypeInner::Image { .. } | TypeInner::Sampler { .. } => format!("{inner:?}"),
-        _ => inner.size(module.to_ctx()).to_string(),
-    };
-    let group = variable.binding.map(|binding| binding.group);
-    format!("{:?} {class} {group:?}", variable.space)
 }
 
 /// Gives the numbers of a context and its summary, where it is known.

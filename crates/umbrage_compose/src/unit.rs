@@ -8,6 +8,7 @@ use std::{
 
 use naga::{
     AddressSpace, Block, Expression, Function, GlobalVariable, Handle, Module, Span, Statement,
+    TypeInner,
     compact::{KeepUnused, compact},
 };
 use rustc_hash::FxHashMap;
@@ -57,6 +58,8 @@ pub(crate) struct Unit {
     pub(crate) facts: Vec<Facts>,
     /// What each entry point does.
     pub(crate) entry_facts: Vec<Facts>,
+    /// Numbers of what its own variables are, as far as limits count it, by the numbers of their names.
+    kinds: OnceLock<FxHashMap<u32, u32>>,
     /// The text that naga parsed.
     prepared: Arc<Prepared>,
     /// The unit without what has no effect.
@@ -195,10 +198,25 @@ impl Unit {
             functions,
             globals,
             overrides,
+            kinds: OnceLock::new(),
             without: RwLock::default(),
             module,
             prepared,
         }
+    }
+
+    /// A number for what its own variable is whose name has this number, as far as limits count it.
+    pub(crate) fn kind(&self, library: &Library, name: u32) -> Option<u32> {
+        let kinds = self.kinds.get_or_init(|| {
+            let own = self.own_globals.iter();
+            let numbered = own.map(|(name, handle)| {
+                let variable = &self.module.global_variables[*handle];
+                let kind = library.number(&kind(&self.module, variable));
+                (library.number(name), kind)
+            });
+            numbered.collect()
+        });
+        kinds.get(&name).copied()
     }
 
     /// The author's part of the text that naga parsed.
@@ -250,6 +268,17 @@ impl Unit {
         let mut known = self.without.write().unwrap_or_else(PoisonError::into_inner);
         known.entry(left_out.clone()).or_insert(unit).clone()
     }
+}
+
+/// What `variable` is, as far as limits count it.
+fn kind(module: &Module, variable: &GlobalVariable) -> String {
+    let inner = &module.types[variable.ty].inner;
+    let class = match inner {
+        TypeInner::Image { .. } | TypeInner::Sampler { .. } => format!("{inner:?}"),
+        _ => inner.size(module.to_ctx()).to_string(),
+    };
+    let group = variable.binding.map(|binding| binding.group);
+    format!("{:?} {class} {group:?}", variable.space)
 }
 
 /// Calls `visit` for each function of `module`, entry points last.

@@ -69,7 +69,10 @@ fn axes_and_settings_are_chosen_in_place_of_the_scenes() {
         stderr(&output)
     );
     for (more, expected) in [
-        (["--axis", "filter=hpsn"], "axis `filter` has no value `hpsn`"),
+        (
+            ["--axis", "filter=hpsn"],
+            "axis `filter` has no value `hpsn`",
+        ),
         (["--axis", "fitler=hpsm"], "did you mean `filter`?"),
         (
             ["--setting", "resolution=0"],
