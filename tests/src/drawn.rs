@@ -26,7 +26,7 @@ pub fn covering(composer: &Composer) -> Result<BTreeSet<ProjectedKey>, compose::
 /// maps, by `composer`.
 ///
 /// # Errors
-/// What cannot be drawn.
+/// A scene that cannot be drawn.
 pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey>, Box<dyn Error>> {
     let (registry, library) = (umbrage::methods::registry()?, composer.library());
     let methods: Vec<_> = registry.names().map(str::to_owned).collect();

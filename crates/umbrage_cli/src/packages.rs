@@ -7,7 +7,7 @@ use umbrage::compose::{Library, Manifest, Package, Selection};
 
 use crate::args::KeyArgs;
 
-/// What `args` select: their keys, or without any the whole space of their packages.
+/// Selection of `args`: their keys, or without any the whole space of their packages.
 pub(crate) fn selected(args: &KeyArgs) -> Result<Manifest> {
     let library = library(&args.packages)?;
     let keys = args.keys.iter().map(|text| Ok(library.parse_key(text)?));

@@ -1,4 +1,4 @@
-//! What is known to be valid, by parts, so that no part is checked twice.
+//! Verdicts by parts, so that no part is checked twice.
 //!
 //! Whether a permutation is valid depends on its functions, and on each function only so far as its callers see it: by
 //! its [`Summary`]. So a function is checked once in each *context*: its text, and the summaries of what it calls.
@@ -31,7 +31,7 @@ use crate::{
     unit::Facts,
 };
 
-/// What of a library's permutations was found valid for a target.
+/// Parts of a library's permutations that were found valid for a target.
 #[derive(Debug)]
 pub(crate) struct Verdicts {
     known: RwLock<Known>,
@@ -363,7 +363,7 @@ impl<'a> Trace<'a> {
             Which::EntryPoint(index) => (1 << 32 | index as u64, false),
         };
         let mut context: Context = smallvec![unit, place, self.counting << 1 | u64::from(counted)];
-        // What the unit takes of other modules' variables and overrides does not tell their initializers and attributes.
+        // Stand-ins for other modules' variables and overrides do not tell their initializers and attributes.
         let mut named: BTreeSet<_> = facts.names.union(&home.overriding).copied().collect();
         let mut seen = BTreeSet::from([module]);
         while let Some(other) = named.pop_first() {

@@ -97,7 +97,7 @@ impl Manifest {
         })
     }
 
-    /// What a manifest would be that selects these keys of a library, for the default target: of no packages' folders.
+    /// A manifest that selects these keys of a library, for the default target: of no packages' folders.
     pub fn of(library: Library, selection: Selection) -> Self {
         Self {
             packages: BTreeMap::new(),

@@ -7,22 +7,22 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pass {
-    /// What it is run over.
+    /// Things that it is run over.
     pub over: Over,
-    /// What it is for.
+    /// Use of its results.
     pub purpose: Purpose,
     /// How its colours meet those that are there.
     #[serde(default)]
     pub blend: Blend,
-    /// What it does with the depth that is there.
+    /// Use of the depth that is there.
     #[serde(default)]
     pub depth: Depth,
 }
 
-/// What a pass is run over.
+/// Things that a pass is run over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Over {
-    /// What may cast shadows, as a light sees it.
+    /// Objects that may cast shadows, as a light sees them.
     Casters,
     /// A scene's objects, as the camera sees them.
     Objects,
@@ -32,7 +32,7 @@ pub enum Over {
     Compute,
 }
 
-/// What a pass is for.
+/// Use of a pass's results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 pub enum Purpose {
     /// Shadow maps, and what is computed from them: a light's plan asks for it.
@@ -41,7 +41,7 @@ pub enum Purpose {
     Shadow,
     /// One light's share of a picture.
     Light,
-    /// What a picture shows whatever lights there are.
+    /// A picture's share that no light has.
     Scene,
     /// Figures and tests; no picture has it.
     Measuring,
@@ -59,14 +59,14 @@ pub enum Blend {
     Multiply,
 }
 
-/// What a pass does with the depth that is there.
+/// A pass's use of the depth that is there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum Depth {
-    /// Nothing.
+    /// None.
     #[default]
     Ignored,
-    /// It is held against it, and leaves it.
+    /// New depth is held against it, and leaves it.
     Tested,
-    /// It is held against it, and takes its place.
+    /// New depth is held against it, and takes its place.
     Written,
 }

@@ -42,7 +42,7 @@ pub struct Permutation {
     pub warnings: Vec<String>,
     pub(crate) written: Written,
     pub(crate) capabilities: Capabilities,
-    /// What naga's validator found out, once it was asked.
+    /// Findings of naga's validator, once it was asked.
     pub(crate) info: OnceLock<ModuleInfo>,
 }
 
@@ -135,7 +135,7 @@ impl Permutation {
         }
     }
 
-    /// What naga's validator finds out. A permutation of parts that were found valid before is not validated until
+    /// Findings of naga's validator. A permutation of parts that were found valid before is not validated until
     /// this is asked for: its text and its SPIR-V are written by it.
     ///
     /// # Errors

@@ -270,7 +270,7 @@ impl Unit {
     }
 }
 
-/// What `variable` is, as far as limits count it.
+/// The kind of `variable`, as far as limits count it.
 fn kind(module: &Module, variable: &GlobalVariable) -> String {
     let inner = &module.types[variable.ty].inner;
     let class = match inner {

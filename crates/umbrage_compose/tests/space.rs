@@ -622,7 +622,7 @@ fn some_of_our_space_is_composed_alike() {
     assert!(known > 0);
 }
 
-/// The whole space of our shaders: what checking by parts finds valid, composing finds valid. Two hours on two cores.
+/// The whole space of our shaders: what checking by parts finds valid, composing finds valid. It takes hours.
 #[test]
 #[ignore = "composes more than a million permutations: run it after a change of the checker or the linker"]
 fn our_whole_space_composes() {

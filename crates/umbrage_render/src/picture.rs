@@ -160,7 +160,7 @@ pub struct PassTime {
     pub pass: String,
     /// The light for which it drew, where it did so for one.
     pub light: Option<String>,
-    /// What it is for.
+    /// Use of its results.
     pub purpose: Purpose,
     /// Between the pass's beginning and its end, or between the end of a compute pass and that of the compute pass that
     /// follows it; milliseconds of the device's clock.
@@ -172,7 +172,7 @@ pub struct PassTime {
 pub struct PermutationUse {
     /// Its projected key.
     pub key: ProjectedKey,
-    /// What its pass is for.
+    /// Use of its pass's results.
     pub purpose: Purpose,
     /// Whether it was linked for this picture, or came from a cache.
     pub source: Source,

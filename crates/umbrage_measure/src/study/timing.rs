@@ -75,7 +75,7 @@ impl Times {
         };
         self.casters
             .push(sum(&|pass| pass.purpose == Purpose::Maps));
-        // What a picture shows whatever lights there are is no light's.
+        // A picture's share that no light has counts for none.
         let shades = |pass: &PassTime| matches!(pass.purpose, Purpose::Shadow | Purpose::Light);
         self.shading.push(sum(&shades));
     }

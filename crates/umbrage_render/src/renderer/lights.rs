@@ -33,7 +33,7 @@ const OWN_AXES: [&str; 6] = [
     "vertex_color",
 ];
 
-/// What shadows in the air are found with, whatever is chosen for surfaces: the shader library allows no other there.
+/// Choices for shadows in the air, whatever is chosen for surfaces: the shader library allows no other there.
 const AIR_AXES: [(&str, &str); 4] = [
     ("pcf", "3"),
     ("receiver_bias", "constant"),

@@ -47,7 +47,7 @@ pub enum ShadowError {
         axis: String,
         /// The method's axes.
         known: String,
-        /// What may have been meant.
+        /// The question for a name that may have been meant.
         hint: String,
     },
     /// The axis has no such value.
@@ -59,7 +59,7 @@ pub enum ShadowError {
         value: String,
         /// The axis's values.
         known: String,
-        /// What may have been meant.
+        /// The question for a name that may have been meant.
         hint: String,
     },
     /// Settings that the method refuses.
@@ -76,7 +76,7 @@ impl Shadow {
     /// The method of lights that cast no shadows.
     pub const NONE: &str = "none";
 
-    /// What is chosen, with defaults for the rest.
+    /// The method that is chosen, with defaults for what is not.
     ///
     /// # Errors
     /// A method that is not registered; an axis that it has not, a value that the axis has not in `library`; settings that
