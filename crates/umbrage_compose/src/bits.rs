@@ -1,30 +1,43 @@
 //! Sets of small numbers.
 
-use smallvec::SmallVec;
-
-/// A set of small numbers: features, capabilities, values. A set of numbers below 256 needs no memory of its own.
+/// A set of small numbers: features, capabilities, values. Numbers below 256 need no memory but its own.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct Bits(
-    /// The last word is not 0, so that equal sets are equal values.
-    SmallVec<[u64; 4]>,
-);
+pub(crate) struct Bits {
+    first: [u64; FIRST],
+    /// The words after the first ones. The last is not 0, so that equal sets are equal values.
+    rest: Vec<u64>,
+}
+
+const FIRST: usize = 4;
 
 impl Bits {
     pub(crate) fn insert(&mut self, number: usize) {
         let word = number / 64;
-        if self.0.len() <= word {
-            self.0.resize(word + 1, 0);
-        }
-        self.0[word] |= 1 << (number % 64);
+        let words = match word.checked_sub(FIRST) {
+            None => &mut self.first[word],
+            Some(word) => {
+                if self.rest.len() <= word {
+                    self.rest.resize(word + 1, 0);
+                }
+                &mut self.rest[word]
+            }
+        };
+        *words |= 1 << (number % 64);
     }
 
     pub(crate) fn contains(&self, number: usize) -> bool {
-        self.word(number / 64) >> (number % 64) & 1 == 1
+        let word = number / 64;
+        let word = match word.checked_sub(FIRST) {
+            None => self.first[word],
+            Some(word) => self.rest.get(word).copied().unwrap_or(0),
+        };
+        word >> (number % 64) & 1 == 1
     }
 
     /// The members, ascending.
     pub(crate) fn iter(&self) -> impl Iterator<Item = usize> {
-        self.0.iter().enumerate().flat_map(|(index, &word)| {
+        let words = self.first.iter().chain(&self.rest);
+        words.enumerate().flat_map(|(index, &word)| {
             let next = |rest: &u64| Some(rest & (rest - 1)).filter(|rest| *rest != 0);
             let first = Some(word).filter(|word| *word != 0);
             let rests = std::iter::successors(first, next);
@@ -34,48 +47,49 @@ impl Bits {
 
     /// Whether all members of `other` are members of this set.
     pub(crate) fn has_all(&self, other: &Self) -> bool {
-        let mut words = other.0.iter().enumerate();
-        words.all(|(i, word)| word & !self.word(i) == 0)
+        self.rest.len() >= other.rest.len() && self.pairs(other).all(|(word, of)| of & !word == 0)
     }
 
     /// Whether this set and `other` share a member.
     pub(crate) fn meets(&self, other: &Self) -> bool {
-        let mut words = self.0.iter().zip(&other.0);
-        words.any(|(word, other)| word & other != 0)
+        self.pairs(other).any(|(word, of)| word & of != 0)
     }
 
     pub(crate) fn union(&mut self, other: &Self) {
-        if self.0.len() < other.0.len() {
-            self.0.resize(other.0.len(), 0);
-        }
-        for (word, other) in self.0.iter_mut().zip(&other.0) {
-            *word |= other;
-        }
+        self.change(other, |word, of| word | of);
     }
 
     pub(crate) fn intersect(&mut self, other: &Self) {
-        self.0.truncate(other.0.len());
-        for (word, other) in self.0.iter_mut().zip(&other.0) {
-            *word &= other;
-        }
-        self.trim();
+        self.change(other, |word, of| word & of);
     }
 
     pub(crate) fn remove_all(&mut self, other: &Self) {
-        for (word, other) in self.0.iter_mut().zip(&other.0) {
-            *word &= !other;
-        }
-        self.trim();
+        self.change(other, |word, of| word & !of);
     }
 
-    fn trim(&mut self) {
-        while self.0.last() == Some(&0) {
-            self.0.pop();
-        }
+    /// Words that both sets have.
+    fn pairs(&self, other: &Self) -> impl Iterator<Item = (u64, u64)> {
+        let first = self.first.into_iter().zip(other.first);
+        let rest = self.rest.iter().zip(&other.rest);
+        first.chain(rest.map(|(word, of)| (*word, *of)))
     }
 
-    fn word(&self, index: usize) -> u64 {
-        self.0.get(index).copied().unwrap_or(0)
+    fn change(&mut self, other: &Self, new: impl Fn(u64, u64) -> u64) {
+        for (word, of) in self.first.iter_mut().zip(other.first) {
+            *word = new(*word, of);
+        }
+        if self.rest.is_empty() && other.rest.is_empty() {
+            return;
+        }
+        let words = self.rest.len().max(other.rest.len());
+        self.rest.resize(words, 0);
+        let others = other.rest.iter().copied().chain(std::iter::repeat(0));
+        for (word, of) in self.rest.iter_mut().zip(others) {
+            *word = new(*word, of);
+        }
+        while self.rest.last() == Some(&0) {
+            self.rest.pop();
+        }
     }
 }
 

@@ -5,11 +5,9 @@
 //! and a set of marks that some chosen value must give, so a need of a value and an answer to a question ("this feature
 //! is on") are the same thing.
 
-use std::{
-    collections::{HashMap, HashSet},
-    ops::Range,
-    sync::Arc,
-};
+use std::{ops::Range, sync::Arc};
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     Axes, Key, Library,
@@ -25,9 +23,9 @@ pub(crate) struct Table {
     axes: Vec<Choices>,
     values: Vec<Value>,
     /// Claims, each with its mark.
-    claims: HashMap<Claim, usize>,
+    claims: FxHashMap<Claim, usize>,
     /// Answers to each question on which values differ, ascending, each with its mark.
-    answers: HashMap<Question, Vec<(usize, usize)>>,
+    answers: FxHashMap<Question, Vec<(usize, usize)>>,
     /// Values that give each mark.
     givers: Vec<Bits>,
     /// For each mark that values of one axis alone give, the other values of that axis.
@@ -516,8 +514,8 @@ struct Search<'a> {
     /// Marks that some open value needs, or that are required.
     relevant: Bits,
     /// States from which no legal key is reached.
-    dead: HashSet<State>,
-    counts: HashMap<State, u128>,
+    dead: FxHashSet<State>,
+    counts: FxHashMap<State, u128>,
 }
 
 /// The next axis, and the relevant marks that are given and that are lacking so far.
@@ -540,8 +538,8 @@ impl<'a> Search<'a> {
             part,
             later,
             relevant,
-            dead: HashSet::new(),
-            counts: HashMap::new(),
+            dead: FxHashSet::default(),
+            counts: FxHashMap::default(),
         }
     }
 

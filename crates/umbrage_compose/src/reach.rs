@@ -63,6 +63,7 @@ pub(crate) fn reach(program: &impl Program, root: usize, roots: Roots) -> Result
         let mut walk = Walk {
             program,
             reads: &reach.reads,
+            asked: FxHashSet::default(),
             idle: FxHashSet::default(),
             seen: FxHashSet::default(),
             found: FxHashSet::default(),
@@ -72,8 +73,11 @@ pub(crate) fn reach(program: &impl Program, root: usize, roots: Roots) -> Result
         for facts in &unit.entry_facts {
             walk.visit(root, facts, 0)?;
         }
-        let (found, idle, left_out) = (walk.found, walk.idle, walk.left_out);
-        let settled = found == reach.reads;
+        let (asked, found, idle, left_out) = (walk.asked, walk.found, walk.idle, walk.left_out);
+        // Another round would go the same way.
+        let mut asked = asked.iter();
+        let settled =
+            asked.all(|variable| found.contains(variable) == reach.reads.contains(variable));
         reach = Reach {
             reads: found,
             idle,
@@ -116,6 +120,8 @@ fn keep_all(program: &impl Program, root: usize) -> Result<Reach, Fault> {
 struct Walk<'a, P> {
     program: &'a P,
     reads: &'a FxHashSet<ItemNumber>,
+    /// Variables of which it mattered whether something reads them.
+    asked: FxHashSet<ItemNumber>,
     idle: FxHashSet<FunctionId>,
     seen: FxHashSet<FunctionId>,
     found: FxHashSet<ItemNumber>,
@@ -132,7 +138,7 @@ impl<P: Program> Walk<'_, P> {
         }
         self.found.extend(&facts.reads);
         for variable in &facts.writes {
-            if !self.reads.contains(variable) {
+            if !self.is_read(variable) {
                 let left_out = self.left_out.entry(module).or_default();
                 left_out.stores.insert(*variable);
             }
@@ -153,6 +159,11 @@ impl<P: Program> Walk<'_, P> {
         Ok(())
     }
 
+    fn is_read(&mut self, variable: &ItemNumber) -> bool {
+        self.asked.insert(*variable);
+        self.reads.contains(variable)
+    }
+
     /// Whether the function has no effect but its result, if nothing reads but what is known.
     fn is_idle(&mut self, id: FunctionId, above: &mut Vec<FunctionId>) -> Result<bool, Fault> {
         if self.idle.contains(&id) {
@@ -164,12 +175,7 @@ impl<P: Program> Walk<'_, P> {
         }
         let unit = self.program.unit(id.0)?;
         let facts = &unit.facts[id.1.index()];
-        if facts.acts
-            || facts
-                .writes
-                .iter()
-                .any(|global| self.reads.contains(global))
-        {
+        if facts.acts || facts.writes.iter().any(|variable| self.is_read(variable)) {
             return Ok(false);
         }
         above.push(id);

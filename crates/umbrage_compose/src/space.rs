@@ -210,6 +210,11 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    fn of(table: &Table, part: &Part) -> Self {
+        let (certain, possible) = table.features(part);
+        Self { certain, possible }
+    }
+
     /// Whether `feature` is enabled, where that is decided.
     pub(crate) fn decided(&self, feature: usize) -> Option<bool> {
         let (certain, possible) = (&self.certain, &self.possible);
@@ -287,12 +292,13 @@ impl<'a> Variants<'a> {
                     }
                 }
                 let mut side = Walk {
+                    known: Known::of(table, &part),
                     part,
                     selected,
                     chosen,
-                    ..walk.clone()
+                    progress: walk.progress.clone(),
                 };
-                side.take(table, question, answer);
+                side.progress.take(question, answer);
                 Some(side)
             });
         Step::Split(sides.collect())
@@ -312,9 +318,9 @@ impl<'a> Iterator for Variants<'a> {
                         part: walk.part,
                         selected: walk.selected,
                         chosen: walk.chosen,
-                        modules: walk.seen,
-                        entries: walk.entries,
-                        fault: walk.fault,
+                        modules: walk.progress.seen,
+                        entries: walk.progress.entries,
+                        fault: walk.progress.fault,
                     });
                 }
             }
@@ -336,6 +342,12 @@ struct Walk {
     /// The part's first key.
     chosen: Chosen,
     known: Known,
+    progress: Progress,
+}
+
+/// How far the modules of a part's keys were read.
+#[derive(Clone, Debug)]
+struct Progress {
     /// Modules that were read.
     seen: Bits,
     entries: Entries,
@@ -352,29 +364,31 @@ impl Walk {
     fn new(table: &Table, part: Part, selected: Selection, chosen: Chosen) -> Self {
         let mut questions = table.first_questions();
         questions.reverse();
-        let mut walk = Self {
+        Self {
+            known: Known::of(table, &part),
             part,
             selected,
             chosen,
-            known: Known::default(),
-            seen: Bits::default(),
-            entries: None,
-            waiting: Vec::new(),
-            questions,
-            bound: BTreeMap::new(),
-            fault: None,
-        };
-        walk.learn(table);
-        walk
+            progress: Progress {
+                seen: Bits::default(),
+                entries: None,
+                waiting: Vec::new(),
+                questions,
+                bound: BTreeMap::new(),
+                fault: None,
+            },
+        }
     }
 
-    fn learn(&mut self, table: &Table) {
-        let (certain, possible) = table.features(&self.part);
-        self.known = Known { certain, possible };
+    /// Reads on to the next question; none where all is read.
+    fn go_on(&mut self, composer: &Composer) -> Option<Question> {
+        self.progress.go_on(composer, &self.known)
     }
+}
 
+impl Progress {
     /// Takes the answer that all keys of the part give.
-    fn take(&mut self, table: &Table, question: Question, answer: Option<usize>) {
+    fn take(&mut self, question: Question, answer: Option<usize>) {
         match (question, answer) {
             (Question::Root, None) => {
                 let message = "the key names no module to start from";
@@ -390,11 +404,9 @@ impl Walk {
             }
             (Question::Feature(_) | Question::Counting(_), _) => {}
         }
-        self.learn(table);
     }
 
-    /// Reads on to the next question; none where all is read.
-    fn go_on(&mut self, composer: &Composer) -> Option<Question> {
+    fn go_on(&mut self, composer: &Composer, known: &Known) -> Option<Question> {
         loop {
             if self.fault.is_some() {
                 return None;
@@ -413,7 +425,7 @@ impl Walk {
                 self.waiting.pop();
                 continue;
             }
-            match composer.read_undecided(module, &self.known) {
+            match composer.read_undecided(module, known) {
                 Read::Undecided(feature) => return Some(Question::Feature(feature)),
                 Read::Fault(fault) => self.fault = Some(fault),
                 Read::Module(entry) => {
