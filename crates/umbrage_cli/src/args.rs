@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use umbrage::render::{Scene, SceneError, Staging};
+use clap::{
+    Args, Parser, Subcommand, ValueEnum,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
+use umbrage::render::{Path, Scene, SceneError, Staging};
 
 use crate::targets::NAMES;
 
@@ -68,8 +71,9 @@ pub(crate) struct RenderArgs {
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) what: What,
-    /// How shadow terms come to where light is added: the picture is the same.
-    #[arg(long, value_enum, default_value_t)]
+    /// How shadow terms come to where light is added, by each object's own shader or by a pass over the picture into a
+    /// mask, one for all or one for each split: the picture is the same.
+    #[arg(long, value_parser = path(), default_value_t)]
     pub(crate) path: Path,
     /// Steps along each ray through the scene's medium, where it has one.
     #[arg(long, value_name = "N", default_value_t = umbrage::render::RenderOptions::default().shaft_steps)]
@@ -220,18 +224,6 @@ pub(crate) enum What {
     Splits,
 }
 
-#[derive(Clone, Copy, Default, ValueEnum)]
-pub(crate) enum Path {
-    /// In each object's own shader.
-    #[default]
-    Forward,
-    /// In a pass over the picture, into a mask that the objects' shaders read.
-    Mask,
-    /// The same by a pass for each split, which shades the pixels of that split alone.
-    #[value(name = "mask_by_split")]
-    MaskBySplit,
-}
-
 /// Permutations that no manifest selects.
 #[derive(Args)]
 pub(crate) struct KeyArgs {
@@ -363,6 +355,13 @@ fn two_sides(text: &str) -> Option<(String, String)> {
     let (left, right) = text.split_once('=')?;
     let named = !left.is_empty() && !right.is_empty();
     named.then(|| (left.to_owned(), right.to_owned()))
+}
+
+/// One of the paths, by its name.
+fn path() -> impl TypedValueParser<Value = Path> {
+    let named = |name: String| Path::ALL.into_iter().find(|path| path.name() == name);
+    let names = PossibleValuesParser::new(Path::ALL.map(Path::name));
+    names.try_map(move |name| named(name).ok_or("no such path"))
 }
 
 #[cfg(test)]

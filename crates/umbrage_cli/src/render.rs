@@ -15,7 +15,7 @@ use umbrage::{
 use umbrage_measure::truth::TruthError;
 
 use crate::{
-    args::{self, RenderArgs, What},
+    args::{RenderArgs, What},
     output::{check_picture, print_json, waiting},
 };
 
@@ -134,11 +134,7 @@ fn options(args: &RenderArgs) -> RenderOptions {
         method: args.method.clone(),
         axes: args.axes.iter().cloned().collect(),
         settings: args.settings.iter().cloned().collect(),
-        path: match args.path {
-            args::Path::Forward => render::Path::Forward,
-            args::Path::Mask => render::Path::Mask,
-            args::Path::MaskBySplit => render::Path::MaskBySplit,
-        },
+        path: args.path,
         shaft_steps: args.shaft_steps,
         ..RenderOptions::default()
     }

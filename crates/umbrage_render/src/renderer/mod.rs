@@ -139,14 +139,23 @@ pub enum Path {
     MaskBySplit,
 }
 
-impl fmt::Display for Path {
+impl Path {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Forward, Self::Mask, Self::MaskBySplit];
+
     /// As configurations and reports spell it.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+    pub fn name(self) -> &'static str {
+        match self {
             Self::Forward => "forward",
             Self::Mask => "mask",
             Self::MaskBySplit => "mask_by_split",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 
