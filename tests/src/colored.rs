@@ -3,9 +3,9 @@
 
 use umbrage::{
     compose::{Error, Package},
-    methods::basic::Basic,
+    methods::methods::basic::Basic,
     shadow::{
-        Blend, ColorTarget, Frame, Light, Pass, PlanError, Registry, Setting, ShadowMethod,
+        Blend, ColorTarget, Frame, Light, Part, Pass, PlanError, Registry, Setting, ShadowMethod,
         ShadowPlan, Support, TextureDesc,
     },
 };
@@ -15,7 +15,7 @@ use wgpu_types::{ColorWrites, TextureFormat};
 #[derive(Clone, Copy, Debug, Default)]
 struct Colored;
 
-impl ShadowMethod for Colored {
+impl Part for Colored {
     fn name(&self) -> &str {
         "colored"
     }
@@ -25,6 +25,9 @@ impl ShadowMethod for Colored {
     fn axes(&self) -> &[&str] {
         Basic.axes()
     }
+}
+
+impl ShadowMethod for Colored {
     fn supports(&self, light: &Light) -> Support {
         Basic.supports(light)
     }
@@ -58,7 +61,7 @@ impl ShadowMethod for Colored {
 /// Where another method is called the same.
 pub fn registry() -> Registry {
     let mut registry = umbrage::methods::registry().expect("names are unique");
-    registry.register(Colored).expect("names are unique");
+    registry.methods.add(Colored).expect("names are unique");
     registry
 }
 

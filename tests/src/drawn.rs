@@ -29,7 +29,7 @@ pub fn covering(composer: &Composer) -> Result<BTreeSet<ProjectedKey>, compose::
 /// A scene that cannot be drawn.
 pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey>, Box<dyn Error>> {
     let (registry, library) = (umbrage::methods::registry()?, composer.library());
-    let methods: Vec<_> = registry.names().map(str::to_owned).collect();
+    let methods: Vec<_> = registry.methods.names().map(str::to_owned).collect();
     let scenes = scenes()?;
     let mut renderer = Renderer::new(Arc::clone(gpu), Arc::clone(composer), registry.clone());
     for (_, scene) in &scenes {
@@ -116,7 +116,7 @@ pub fn of_each_depth(
     let mut all = BTreeSet::new();
     for key in keys {
         let method = library.axes().value(&key, "method").unwrap_or("");
-        if registry.get(method).is_ok() {
+        if registry.methods.get(method).is_ok() {
             let depths = library.axes().get("depth");
             for depth in depths.into_iter().flat_map(|axis| axis.values()) {
                 let others = key.choices().filter(|(axis, _)| *axis != "depth");

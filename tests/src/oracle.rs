@@ -6,14 +6,8 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, Vec2};
-use umbrage::{
-    methods::{
-        basic_twin::BasicTwin,
-        midpoint::MidpointTwin,
-        pssm_twin::{Choice, PssmTwin},
-    },
-    shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View},
-};
+use umbrage::shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View};
+use umbrage_testkit::twins::{BasicTwin, Choice, MidpointTwin, PssmTwin};
 
 use crate::{Stage, air};
 
@@ -117,12 +111,14 @@ impl<'a> Oracle<'a> {
         let (plan, twin, midpoint) = match &light.shadow {
             None => (ShadowPlan::default(), None, None),
             Some(shadow) => {
-                let method = registry.get(&shadow.method).ok()?;
+                let axes: BTreeMap<_, _> = shadow.axes.clone();
+                let value = |axis: &str| axes.get(axis).map(String::as_str);
+                let choice = registry.choose(&shadow.method, value).ok()?;
                 let chosen = shadow
                     .settings
                     .iter()
                     .map(|(name, value)| (name.as_str(), *value));
-                let settings = Settings::check(method.settings(), chosen).ok()?;
+                let settings = Settings::check(&choice.settings(), chosen).ok()?;
                 let bounds: Vec<_> = scene.objects.iter().map(|object| object.bounds).collect();
                 let frustum = view.frustum();
                 let receivers: Vec<_> = bounds
@@ -131,8 +127,8 @@ impl<'a> Oracle<'a> {
                     .filter(|bounds| frustum.intersects(bounds) && light.light.reaches(bounds))
                     .chain(air::shaded(scene, &view, &light.light))
                     .collect();
-                let axes: BTreeMap<_, _> = shadow.axes.clone();
-                let plan = method
+                let plan = choice
+                    .method
                     .plan(&Frame {
                         view: &view,
                         light: &light.light,
@@ -142,6 +138,8 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
+                        depth: choice.depth,
+                        filter: choice.filter,
                         seen: None,
                     })
                     .ok()?;

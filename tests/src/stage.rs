@@ -187,11 +187,12 @@ fn light(
         _ => LightKind::Directional { direction },
     };
     let known = registry();
+    let value = |axis: &str| library.axes().value(key, axis);
     // `none` is no method.
-    let shadow = known.get(method).ok().map(|known| {
-        let axes = known.axes().iter().map(|axis| {
-            let value = library.axes().value(key, axis).unwrap_or("");
-            ((*axis).to_owned(), value.to_owned())
+    let shadow = known.choose(method, value).ok().map(|choice| {
+        let axes = choice.axes().into_iter().map(|axis| {
+            let value = value(axis).unwrap_or("");
+            (axis.to_owned(), value.to_owned())
         });
         Shadow {
             method: method.to_owned(),

@@ -9,10 +9,10 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use umbrage::{
     compose::{Composer, Library, Package, Target},
-    methods::{basic::Basic, pssm::Pssm},
+    methods::methods::{basic::Basic, pssm::Pssm},
     render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, Scene, What},
     shadow::{
-        Constants, Contents, Frame, Light, Pass, PlanError, Reads, ScreenPass, Setting,
+        Constants, Contents, Frame, Light, Part, Pass, PlanError, Reads, ScreenPass, Setting,
         ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Value, Viewport,
     },
 };
@@ -49,7 +49,7 @@ impl Probe {
     }
 }
 
-impl ShadowMethod for Probe {
+impl Part for Probe {
     fn name(&self) -> &str {
         self.name
     }
@@ -59,6 +59,9 @@ impl ShadowMethod for Probe {
     fn axes(&self) -> &[&str] {
         self.method.axes()
     }
+}
+
+impl ShadowMethod for Probe {
     fn supports(&self, light: &Light) -> Support {
         self.method.supports(light)
     }
@@ -178,7 +181,7 @@ impl Studio {
             Probe::new("basic_probe", Basic),
             Probe::new("pssm_probe", Pssm),
         ] {
-            registry.register(probe).expect("names are unique");
+            registry.methods.add(probe).expect("names are unique");
         }
         let gpu = Arc::new(Gpu::new().unwrap_or_else(|error| panic!("{error}")));
         // Deep enough that all four splits have a map.

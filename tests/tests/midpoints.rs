@@ -106,21 +106,45 @@ fn all_ways_give_one_picture() {
     }
 }
 
-/// A cube map, and maps that are no tiles, hold the nearest depths alone; what is said names what to choose.
+/// A cube map, and maps that are no tiles, hold the nearest depths alone, and no bounds can be built of depths that are
+/// made while sampling; what is said names what to choose.
 #[test]
-fn what_cannot_hold_midpoints_says_what_can() {
+fn what_does_not_go_together_says_what_does() {
     let mut renderer = renderer();
-    let depth = ("depth", "midpoint");
-    let mut refusal = |scene: &str, method, axes: &[(&str, &str)]| {
+    let mut refused = |scene: &str, method, axes: &[(&str, &str)], [said, advice]: [&str; 2]| {
         let refused = terms(&mut renderer, &example(scene), (method, axes));
-        refused.expect_err("refused").to_string()
+        let refused = refused.expect_err("refused").to_string();
+        assert!(
+            refused.contains(said) && refused.contains(advice),
+            "{refused}"
+        );
     };
-    assert_eq!(
-        refusal("room_point.ron", "basic", &[depth]),
-        "light `lamp`: the axis `depth` is midpoint, but must be nearest under a point light, whose cube map knows no other"
+    let depth = ("depth", "midpoint");
+    refused(
+        "room_point.ron",
+        "basic",
+        &[depth],
+        [
+            "light `lamp`: the combination depth=midpoint,light=point,method=basic,pass=shadow_term is excluded: depth=midpoint needs `planar`",
+            "choose light=directional or light=spot, or another value for `depth`",
+        ],
     );
-    assert_eq!(
-        refusal("bunny_sun.ron", "pssm", &[depth, ("lookup", "weights")]),
-        "light `sun`: the axis `lookup` is weights, but must be masks, matrix_texture, packed or storage where `depth` is not `nearest` or `filter` is not `pcf`"
+    let tiles = "choose lookup=masks or lookup=matrix_texture or lookup=packed or lookup=storage";
+    for (axis, value) in [depth, ("filter", "esm"), ("filter", "hpsm")] {
+        refused(
+            "bunny_sun.ron",
+            "pssm",
+            &[(axis, value), ("lookup", "weights")],
+            [&format!("{axis}={value} needs `tiles`"), tiles],
+        );
+    }
+    refused(
+        "bunny_sun.ron",
+        "basic",
+        &[("depth", "midpoint_sampled"), ("filter", "hpsm")],
+        [
+            "filter=hpsm needs `stored_depths`",
+            "depth=midpoint or depth=midpoint_two_passes or depth=nearest",
+        ],
     );
 }

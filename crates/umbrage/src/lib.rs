@@ -38,7 +38,7 @@
 //! ```
 //! use umbrage::{
 //!     compose::{Composer, Error, Library, Package, Target},
-//!     shadow::{Constants, Frame, Light, PlanError, Setting, ShadowMethod, ShadowPlan, Support, Value},
+//!     shadow::{Constants, Frame, Light, Part, PlanError, Setting, ShadowMethod, ShadowPlan, Support, Value},
 //! };
 //!
 //! struct Canopy;
@@ -52,16 +52,16 @@
 //!     whole: false,
 //! };
 //!
-//! impl ShadowMethod for Canopy {
+//! impl Part for Canopy {
 //!     fn name(&self) -> &str {
 //!         "canopy"
 //!     }
 //!     fn settings(&self) -> &[Setting] {
 //!         &[HEIGHT]
 //!     }
-//!     fn axes(&self) -> &[&str] {
-//!         &[]
-//!     }
+//! }
+//!
+//! impl ShadowMethod for Canopy {
 //!     fn supports(&self, _: &Light) -> Support {
 //!         Support::Yes
 //!     }
@@ -100,7 +100,7 @@
 //! use umbrage::render::{Gpu, RenderOptions, Renderer, Scene};
 //!
 //! let mut registry = umbrage::methods::registry()?;
-//! registry.register(Canopy)?;
+//! registry.methods.add(Canopy)?;
 //! let mut renderer = Renderer::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
 //! let scene = Scene::load("../../examples/scenes/bunny_sun.ron")?;
 //! let options = RenderOptions {

@@ -63,7 +63,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode> {
 /// The methods named by `--methods`; all where it is missing or `all`.
 pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<String>> {
     let Some(asked) = asked.filter(|asked| *asked != "all") else {
-        return Ok(registry.names().map(str::to_owned).collect());
+        return Ok(registry.methods.names().map(str::to_owned).collect());
     };
     let names: Vec<_> = asked
         .split(',')
@@ -71,6 +71,7 @@ pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<Str
         .collect();
     for name in &names {
         registry
+            .methods
             .get(name)
             .context("--methods: name known ones with commas between, or `all`")?;
     }

@@ -72,6 +72,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
     // The scene's own methods are checked light by light; this one is wrong in any scene.
     if let Some(method) = args.method.as_deref().filter(|method| *method != "none") {
         registry
+            .methods
             .get(method)
             .context("--method: choose a known one, or `none` for no shadows")?;
     }

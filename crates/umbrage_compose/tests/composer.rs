@@ -313,7 +313,7 @@ fn bindings_belong_to_their_owners() {
             "two resources in one place"
         );
         let group = match binding.module.as_str() {
-            "umbrage::lights::spot" | "umbrage::methods::basic" | "umbrage::methods::nearest" => 1,
+            "umbrage::lights::spot" | "umbrage::methods::basic" | "umbrage::depths::nearest" => 1,
             "umbrage::common::material" => 2,
             _ => match binding.name.as_str() {
                 "frame" => 0,

@@ -11,7 +11,7 @@ use umbrage_shadow::LightKind;
 fn bounds_change_no_pixel_of_any_hard_case() {
     let package = umbrage_shader_lib::package().expect("the shader library");
     let library = Library::new([package]).expect("the library");
-    let composer = Arc::new(Composer::new(library, Target::default()));
+    let composer = Arc::new(Composer::new(library.clone(), Target::default()));
     let registry = umbrage_methods::registry().expect("names are unique");
     let gpu = Arc::new(Gpu::new().expect("an adapter"));
     let mut renderer = Renderer::new(gpu, composer, registry.clone());
@@ -19,7 +19,6 @@ fn bounds_change_no_pixel_of_any_hard_case() {
     let (mut pictures, mut dark, mut decided, mut all) = (0, 0, 0, 0);
     for case in cases::all().iter().filter(|case| has_tiles(&case.scene)) {
         for name in ["basic", "pssm"] {
-            let method = registry.get(name).expect("it is there");
             for width in ["3", "5", "7", "15"] {
                 let variant = |filter: &str| Config {
                     method: name.to_owned(),
@@ -30,7 +29,10 @@ fn bounds_change_no_pixel_of_any_hard_case() {
                 };
                 let mut draw = |what, filter: &str| {
                     // A case that is about a filter's width, or about ways to find a map, has its own.
-                    let options = case.options(&variant(filter), &**method).ok()?;
+                    let variant = variant(filter);
+                    let shadow = variant.shadow();
+                    let choice = shadow.choice(&registry, &library).expect("they are there");
+                    let options = case.options(&variant, &choice).ok()?;
                     let options = RenderOptions { what, ..options };
                     let rendered = renderer.render(&case.scene, &options);
                     Some(rendered.expect("renders").picture)

@@ -15,7 +15,7 @@ fn every_variant_meets_its_limits_and_needs_its_exceptions() {
     let library = Library::new([package]).expect("the library");
     let composer = Arc::new(Composer::new(library, Target::default()));
     let registry = umbrage_methods::registry().expect("names are unique");
-    let methods: Vec<_> = registry.names().map(str::to_owned).collect();
+    let methods: Vec<_> = registry.methods.names().map(str::to_owned).collect();
     let limits = Limits::built_in().expect("a sound table");
     let variants = Config::variants(&limits, &methods, &registry, composer.library());
     let variants = variants.expect("sound variants");

@@ -1,31 +1,43 @@
-//! The shadow methods, one file each, and their registry.
+//! The project's own parts of shadows, one file each, and their registry.
 //!
-//! To add one here: a file in this folder with the method, a WESL module of the same name under
-//! `methods/` in the shader library, the name on the axis `method`, and a line in [`registry`]. From
-//! a crate of your own, register it yourself; nothing here is special.
+//! | kind | folder | parts |
+//! | --- | --- | --- |
+//! | shadow methods | [`methods`] | `basic`, `pssm` |
+//! | depth sources | [`depths`] | `nearest`, `midpoint` and its kin |
+//! | filters | [`filters`] | `pcf`, `hpsm` and its kin, `esm` and its kin |
+//!
+//! To add one here: a file in its kind's folder, a WESL module of the same name in the folder of that name in the
+//! shader library, its name on the axis of its kind, and a line in [`registry`]. From a crate of your own, register it
+//! yourself; nothing here is special.
 
-pub mod basic;
-pub mod basic_twin;
-pub mod esm;
-mod esm_twin;
-pub mod hpsm;
-mod job;
-mod maps;
-pub mod midpoint;
-pub mod pssm;
-pub mod pssm_twin;
-mod slope;
-mod twin_filter;
+pub mod depths;
+pub mod filters;
+pub mod methods;
 
 use umbrage_shadow::{Registry, RegistryError};
 
-/// All methods of this crate.
+use depths::{midpoint::Midpoint, nearest::Nearest};
+use filters::{esm::Esm, hpsm::Hpsm, pcf::Pcf};
+use methods::{basic::Basic, pssm::Pssm};
+
+/// All parts of this crate.
 ///
 /// # Errors
-/// Never, as long as no two methods here share a name; a test says so.
+/// Never, as long as no two parts of a kind share a name here; a test says so.
 pub fn registry() -> Result<Registry, RegistryError> {
     let mut registry = Registry::new();
-    registry.register(basic::Basic)?;
-    registry.register(pssm::Pssm)?;
+    registry.methods.add(Basic)?;
+    registry.methods.add(Pssm)?;
+    registry.depths.add(Nearest)?;
+    for midpoint in Midpoint::ALL {
+        registry.depths.add(midpoint)?;
+    }
+    registry.filters.add(Pcf)?;
+    for hpsm in Hpsm::ALL {
+        registry.filters.add(hpsm)?;
+    }
+    for esm in Esm::ALL {
+        registry.filters.add(esm)?;
+    }
     Ok(registry)
 }

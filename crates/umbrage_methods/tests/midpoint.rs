@@ -21,7 +21,6 @@ const LAMP: LightKind = LightKind::Spot {
 /// The plan of `method` for a box on the ground before the camera.
 fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanError> {
     let registry = registry().expect("names are unique");
-    let method = registry.get(method).expect("a method");
     let axes = [
         ("block", "4"),
         ("depth", depth),
@@ -42,7 +41,12 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
         min: DVec3::new(a, b, c),
         max: DVec3::new(d, e, f),
     });
-    method.plan(&Frame {
+    let axes = axes
+        .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
+        .into();
+    let value = |axis: &str| BTreeMap::get(&axes, axis).map(String::as_str);
+    let choice = registry.choose(method, value).expect("parts");
+    choice.method.plan(&Frame {
         view: &View {
             position: DVec3::Y,
             rotation: DQuat::IDENTITY,
@@ -62,8 +66,10 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
             casters: &boxes,
             receivers: &boxes,
         },
-        settings: &Settings::check(method.settings(), []).expect("defaults"),
-        axes: &axes.map(|(a, v)| (a.to_owned(), v.to_owned())).into(),
+        settings: &Settings::check(&choice.settings(), []).expect("defaults"),
+        axes: &axes,
+        depth: choice.depth,
+        filter: choice.filter,
         seen: None,
     })
 }

@@ -44,6 +44,14 @@ pub enum RenderError {
         /// Why.
         source: ShadowError,
     },
+    /// Choices for a light's shadow that the shader library does not have together.
+    #[error("light `{light}`: {source}")]
+    Excluded {
+        /// The light.
+        light: String,
+        /// Why.
+        source: umbrage_compose::Error,
+    },
     /// A choice of an axis that does not exist, or that is not to be chosen there.
     #[error("{place} chooses `{axis}`, {problem}")]
     Axis {

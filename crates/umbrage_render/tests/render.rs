@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3, Vec4};
 use umbrage_compose::Source;
 use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, What};
 use umbrage_shadow::{
-    CasterPass, Constants, DepthTarget, Frame, Light, Pass, PlanError, Registry, Setting,
+    CasterPass, Constants, DepthTarget, Frame, Light, Part, Pass, PlanError, Registry,
     ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
 };
 
@@ -358,16 +358,13 @@ struct Faulty(Fault);
 
 type Fault = fn(&mut ShadowPlan);
 
-impl ShadowMethod for Faulty {
+impl Part for Faulty {
     fn name(&self) -> &str {
         "basic"
     }
-    fn settings(&self) -> &[Setting] {
-        &[]
-    }
-    fn axes(&self) -> &[&str] {
-        &[]
-    }
+}
+
+impl ShadowMethod for Faulty {
     fn supports(&self, light: &Light) -> Support {
         match light.kind {
             umbrage_shadow::LightKind::Point { .. } => Support::No("it has no sides".to_owned()),
@@ -422,7 +419,7 @@ fn faulty_methods_are_named() {
     let scene = two_balls();
     let refuse = |fault: Fault, what: usize| {
         let mut registry = Registry::new();
-        registry.register(Faulty(fault)).expect("the only one");
+        registry.methods.add(Faulty(fault)).expect("the only one");
         let mut scene = scene.clone();
         scene.lights = vec![scene.lights[what].clone()];
         let mut options = small(What::Shaded);
@@ -468,7 +465,7 @@ fn faulty_methods_are_named() {
     // The plan is sound, but says nothing of the constants and the sampler that its shader reads.
     let message = refuse(|_| (), 0);
     assert!(
-        message.contains("`shadow_sampler` of umbrage::methods::nearest"),
+        message.contains("`shadow_sampler` of umbrage::depths::nearest"),
         "{message}"
     );
     let message = refuse(|_| (), 1);

@@ -7,29 +7,27 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use common::{example, renderer, scene};
+use common::{example, methods, renderer, scene};
 use glam::{DVec2, DVec3};
-use umbrage_methods::pssm::Pssm;
+use umbrage_methods::methods::pssm::Pssm;
 use umbrage_render::{Path, Picture, RenderOptions, Renderer, Scene, Shadow, What};
-use umbrage_shadow::{
-    Frame, Light, PlanError, Registry, Setting, ShadowMethod, ShadowPlan, Support,
-};
+use umbrage_shadow::{Frame, Light, Part, PlanError, Registry, ShadowMethod, ShadowPlan, Support};
 
 type Seen = Arc<Mutex<Vec<Option<[f64; 2]>>>>;
 
 /// Parallel splits, and a note of what they were told.
 struct Noting(Seen);
 
-impl ShadowMethod for Noting {
+impl Part for Noting {
     fn name(&self) -> &str {
         Pssm.name()
-    }
-    fn settings(&self) -> &[Setting] {
-        &[]
     }
     fn axes(&self) -> &[&str] {
         Pssm.axes()
     }
+}
+
+impl ShadowMethod for Noting {
     fn supports(&self, light: &Light) -> Support {
         Pssm.supports(light)
     }
@@ -48,9 +46,13 @@ impl ShadowMethod for Noting {
 
 fn noting() -> (Renderer, Seen) {
     let seen = Seen::default();
-    let mut registry = Registry::new();
+    let mut registry = Registry {
+        methods: Registry::new().methods,
+        ..methods()
+    };
     registry
-        .register(Noting(Arc::clone(&seen)))
+        .methods
+        .add(Noting(Arc::clone(&seen)))
         .expect("the only one");
     (renderer(registry), seen)
 }

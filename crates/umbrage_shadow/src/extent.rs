@@ -53,6 +53,32 @@ impl Extent {
         })
     }
 
+    /// How much farther than needed the near and far planes stand, relative: beyond any rounding.
+    pub const PADDING: f64 = 1.0 / 8192.0;
+
+    /// The nearest near plane of a light with a perspective, as a share of its range. Reversed depth keeps its
+    /// relative precision over this ratio, and more.
+    pub const NEAREST: f64 = 1e-5;
+
+    /// Moves the near plane to the nearest of the casters between the light and what is seen, and both planes apart by
+    /// more than rounding; those casters. With a perspective nothing is nearer than `floor` (metres from the light).
+    pub fn take_casters(&mut self, lens: &Lens, floor: f64, casters: &[Aabb]) -> Vec<usize> {
+        if lens.is_perspective() {
+            self.far *= 1.0 + Self::PADDING;
+            let beam = Beam::new(lens, &self.rect, floor, self.far, casters);
+            self.near = (self.near.min(beam.near) * (1.0 - Self::PADDING)).max(floor);
+            return beam.casters;
+        }
+        let corners = casters.iter().flat_map(Aabb::corners);
+        let nearest = corners.map(|p| lens.place(p).1).fold(self.near, f64::min);
+        let padding = Self::PADDING * (self.far - nearest) + 4.0 * self.precision;
+        self.far += padding;
+        let beam = Beam::new(lens, &self.rect, nearest - padding, self.far, casters);
+        self.near = self.near.min(beam.near);
+        self.near -= Self::PADDING * (self.far - self.near) + 4.0 * self.precision;
+        beam.casters
+    }
+
     /// What holds both.
     pub fn union(self, other: Self) -> Self {
         let (a, b) = (self.rect, other.rect);

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
+use crate::Aabb;
+
 /// How a light projects, before its map's rectangle and range of depths are known: a fitted map is
 /// [`matrix`](Self::matrix) of these.
 ///
@@ -81,6 +83,13 @@ impl Lens {
     pub fn place(&self, point: DVec3) -> (DVec2, f64) {
         let at = self.to_light * point.extend(1.0);
         (at.truncate().truncate() / at.w, at.z)
+    }
+
+    /// Where `boxes` lie in the lens's plane; none where there is no box. The shadows of a directional light's casters
+    /// lie nowhere else.
+    pub fn around(&self, boxes: &[Aabb]) -> Option<Rect> {
+        let corners = boxes.iter().flat_map(Aabb::corners);
+        Rect::from_points(corners.map(|corner| self.place(corner).0))
     }
 
     /// A + B · distance (directional) or A + B / distance is the depth at a distance (metres) from

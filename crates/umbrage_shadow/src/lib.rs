@@ -1,22 +1,26 @@
-//! What a shadow method is, as plain data: no GPU, no shader, no scene format.
+//! What shadows are made of, as plain data: no GPU, no shader, no scene format.
 //!
 //! # The model
 //! A *caster* throws shadow, a *receiver* shows it. A light asks one question of whatever computes
-//! its shadow, the *shadow term* at a point: 1 where the light arrives, 0 in full shadow. A *method* is
-//! a way to answer. It has two halves that share a name:
+//! its shadow, the *shadow term* at a point: 1 where the light arrives, 0 in full shadow. Three kinds of part answer it:
 //!
-//! - a shader module that implements the interface `calc_shadow(position_ws) -> f32`, in the shader
-//!   library, chosen on its axis `method`;
-//! - a [`ShadowMethod`], which says each frame what has to be drawn before that shader can run.
+//! | part | does | its shader half implements | axis |
+//! | --- | --- | --- | --- |
+//! | [`ShadowMethod`] | fits maps to what is seen | `calc_shadow` of `package::interface::shadow` | `method` |
+//! | [`DepthSource`] | fills them | `compare` of `package::interface::depths` | `depth` |
+//! | [`Filter`] | samples them | `filter_map` of `package::interface::filter` | `filter` |
+//!
+//! A method may do all of it in a way of its own, as the one below. A part's two halves share a name: its value on the
+//! axis of its kind in the shader library.
 //!
 //! Three parties meet in [`ShadowMethod::plan`]. The renderer knows the scene and brings a [`Frame`]:
-//! the [`View`], the [`Light`], bounds of casters and receivers, and what the scene chose for the
-//! method. The method answers with a [`ShadowPlan`]: textures, samplers, passes, and the constants that
-//! its shader reads. The shader reads textures, samplers and constants by the names of their bindings,
-//! and nothing else ties the halves together. A [`Registry`] joins methods and renderer; neither sees
-//! the other's crate.
+//! the [`View`], the [`Light`], bounds of casters and receivers, and what the scene chose. The method answers with a
+//! [`ShadowPlan`]: textures, samplers, passes, and the constants that its shader reads. What of it the depth source and
+//! the filter add, they add in [`Frame::fill`], from the [`Maps`] that the method fitted. The shader reads textures, samplers
+//! and constants by the names of their bindings, and nothing else ties the halves together. A [`Registry`] joins parts and
+//! renderer; neither sees the other's crate.
 //!
-//! # Why the trait has its shape
+//! # Why the traits have their shape
 //! - **A plan is data.** It is a pure function of the frame, so a method is tested without a GPU, a
 //!   plan can be printed, compared and counted, and only one crate drives wgpu.
 //! - **A plan is whole.** It names its textures every frame; the renderer keeps those that did not
@@ -39,16 +43,13 @@
 //!
 //! struct Whole;
 //!
-//! impl ShadowMethod for Whole {
+//! impl Part for Whole {
 //!     fn name(&self) -> &str {
 //!         "whole"
 //!     }
-//!     fn settings(&self) -> &[Setting] {
-//!         &[]
-//!     }
-//!     fn axes(&self) -> &[&str] {
-//!         &[]
-//!     }
+//! }
+//!
+//! impl ShadowMethod for Whole {
 //!     fn supports(&self, light: &Light) -> Support {
 //!         match light.kind {
 //!             LightKind::Directional { .. } => Support::Yes,
@@ -108,8 +109,8 @@
 //! }
 //!
 //! let mut registry = Registry::new();
-//! registry.register(Whole)?;
-//! assert_eq!(registry.get("whole")?.name(), "whole");
+//! registry.methods.add(Whole)?;
+//! assert_eq!(registry.methods.get("whole")?.name(), "whole");
 //! # Ok::<(), RegistryError>(())
 //! ```
 //!
@@ -137,14 +138,17 @@
 //! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
 
 mod atlas;
+mod bias;
 mod bounds;
 mod constants;
 mod extent;
 mod fit;
+mod frame;
 mod lens;
 mod light;
-mod method;
+mod maps;
 mod number;
+mod part;
 mod plan;
 mod registry;
 mod settings;
@@ -152,20 +156,23 @@ mod splits;
 mod view;
 
 pub use atlas::Atlas;
+pub use bias::Bias;
 pub use bounds::{Aabb, Frustum};
 pub use constants::{Constants, Value};
 pub use extent::{Beam, Extent};
 pub use fit::overlap;
+pub use frame::{Bounds, Casters, Frame, PlanError};
 pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
-pub use method::{Casters, Frame, PlanError, ShadowMethod, Support};
+pub use maps::{Map, MapRange, Maps};
 pub use number::plain_number;
+pub use part::{DepthSource, Filter, Part, ShadowMethod, Support};
 pub use plan::{
     Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, MAX_REGIONS,
     Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape,
     Viewport,
 };
-pub use registry::{Registry, RegistryError};
+pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
 pub use splits::{MAX_SPLITS, split_depths};
 pub use view::{Field, Projection, View};

@@ -24,7 +24,7 @@ mod wall;
 use std::{collections::BTreeMap, fmt};
 
 use umbrage_render::{Camera, RenderOptions, Scene};
-use umbrage_shadow::ShadowMethod;
+use umbrage_shadow::Choice;
 
 pub use self::{
     judge::{DIFFERS, Miss, Verdict},
@@ -64,26 +64,21 @@ impl Case {
         }
     }
 
-    /// How `variant`, which is of `method`, is asked to render this case: as it is, but for what makes the
-    /// case.
+    /// How `variant`, whose parts are `choice`, is asked to render this case: as it is, but for what makes the case.
     ///
     /// # Errors
     /// Why it is not, as the two do not go together.
-    pub fn options(
-        &self,
-        variant: &Config,
-        method: &dyn ShadowMethod,
-    ) -> Result<RenderOptions, String> {
+    pub fn options(&self, variant: &Config, choice: &Choice<'_>) -> Result<RenderOptions, String> {
         let mut options = variant.options(self.size);
         for (axis, value) in &self.axes {
-            if method.axes().contains(axis) {
+            if choice.axes().contains(axis) {
                 choose(&mut options.axes, axis, (*value).to_owned())?;
             }
         }
         for (name, value) in &self.settings {
-            let setting = method.settings().iter().find(|s| s.name == *name);
-            if let Some(setting) = setting {
-                // As near to what makes the case as the method can come.
+            let settings = choice.settings();
+            if let Some(setting) = settings.iter().find(|s| s.name == *name) {
+                // As near to what makes the case as the part can come.
                 let value = value.clamp(setting.min, setting.max);
                 choose(&mut options.settings, name, value)?;
             }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 use umbrage_compose::{Library, RonFile};
 use umbrage_render::{Path, RenderOptions, Shadow};
-use umbrage_shadow::{Registry, ShadowMethod};
+use umbrage_shadow::Registry;
 
 use super::StudyError;
 use crate::cases::Limits;
@@ -84,7 +84,7 @@ impl Config {
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
         let known: Vec<Self> = RonFile::new("configs.ron", STANDARD).parse()?;
-        let varied = |method: &dyn ShadowMethod| Self::varied(method, library);
+        let varied = |method: &str| Self::varied(method, registry, library);
         Self::of_each(methods, registry, &known, varied)
     }
 
@@ -100,7 +100,7 @@ impl Config {
         registry: &Registry,
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
-        let plain = |method: &dyn ShadowMethod| vec![Self::plain(method, method.name())];
+        let plain = |method: &str| Ok(vec![Self::plain(method, method)]);
         let variants = Self::of_each(methods, registry, limits.variants(), plain)?;
         for variant in &variants {
             let listed = limits.variants().iter().find(|v| v.name == variant.name);
@@ -123,34 +123,40 @@ impl Config {
         methods: &[String],
         registry: &Registry,
         known: &[Self],
-        otherwise: impl Fn(&dyn ShadowMethod) -> Vec<Self>,
+        otherwise: impl Fn(&str) -> Result<Vec<Self>, StudyError>,
     ) -> Result<Vec<Self>, StudyError> {
         let mut configs = Vec::new();
         for name in methods {
-            let method = registry.get(name).map_err(StudyError::Method)?;
+            registry.methods.get(name)?;
             let own = known.iter().filter(|config| config.method == *name);
             let before = configs.len();
             configs.extend(own.cloned());
             if configs.len() == before {
-                configs.extend(otherwise(method.as_ref()));
+                configs.extend(otherwise(name)?);
             }
         }
         Ok(configs)
     }
 
     /// The method's defaults, called `name`.
-    fn plain(method: &dyn ShadowMethod, name: &str) -> Self {
+    fn plain(method: &str, name: &str) -> Self {
         Self {
             name: name.to_owned(),
-            method: method.name().to_owned(),
+            method: method.to_owned(),
             ..Self::default()
         }
     }
 
-    /// The method's defaults, and each value of its axes by itself.
-    fn varied(method: &dyn ShadowMethod, library: &Library) -> Vec<Self> {
-        let mut configs = vec![Self::plain(method, "default")];
-        for name in method.axes() {
+    /// The method's defaults, and each value of its axes, and of those of its default parts, by itself.
+    fn varied(
+        method: &str,
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Self>, StudyError> {
+        let plain = Self::plain(method, "default");
+        let choice = plain.shadow().choice(registry, library)?;
+        let mut configs = vec![plain];
+        for name in choice.axes() {
             let Some(axis) = library.axes().get(name) else {
                 continue;
             };
@@ -159,12 +165,12 @@ impl Config {
                 .filter(|v| Some(*v) != axis.default.as_deref())
             {
                 configs.push(Self {
-                    axes: BTreeMap::from([((*name).to_owned(), value.to_owned())]),
+                    axes: BTreeMap::from([(name.to_owned(), value.to_owned())]),
                     ..Self::plain(method, &format!("{name} {value}"))
                 });
             }
         }
-        configs
+        Ok(configs)
     }
 
     /// The method's name and the configuration's, for a person.
@@ -186,7 +192,7 @@ impl Config {
     }
 
     /// How it has each light's shadow found.
-    fn shadow(&self) -> Shadow {
+    pub fn shadow(&self) -> Shadow {
         Shadow {
             method: self.method.clone(),
             axes: self.axes.clone(),

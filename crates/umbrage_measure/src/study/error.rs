@@ -1,4 +1,4 @@
-use umbrage_render::RenderError;
+use umbrage_render::{RenderError, ShadowError};
 use umbrage_shadow::RegistryError;
 
 use crate::{figures::FigureError, report::ReportError, truth::TruthError};
@@ -9,7 +9,10 @@ use crate::{figures::FigureError, report::ReportError, truth::TruthError};
 pub enum StudyError {
     /// A method is asked for that is not registered.
     #[error(transparent)]
-    Method(RegistryError),
+    Method(#[from] RegistryError),
+    /// A part, an axis, a value or a setting that there is not.
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
     /// There is nothing to compare.
     #[error("there is nothing to compare: give at least one scene and one configuration")]
     Nothing,

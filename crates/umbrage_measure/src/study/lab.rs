@@ -72,10 +72,7 @@ impl Lab {
         scene: &Scene,
         config: &Config,
     ) -> Result<(Vec<usize>, Option<String>), StudyError> {
-        let method = self
-            .registry
-            .get(&config.method)
-            .map_err(StudyError::Method)?;
+        let method = self.registry.methods.get(&config.method)?;
         let (mut lights, mut refusal) = (Vec::new(), None);
         let casting = scene.lights.iter().enumerate();
         let mut casting = casting

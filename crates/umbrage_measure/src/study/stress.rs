@@ -203,8 +203,9 @@ impl<'a> Try<'a> {
         if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
             return Ok(Err(reason));
         }
-        let method = lab.registry().get(&variant.method);
-        let options = case.options(variant, method.map_err(StudyError::Method)?.as_ref());
+        let shadow = variant.shadow();
+        let choice = shadow.choice(lab.registry(), lab.library())?;
+        let options = case.options(variant, &choice);
         Ok(options.map(|options| (lights, Self { variant, options })))
     }
 

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use umbrage_compose::{Composer, Library, RonFile, Target};
 use umbrage_render::{Decision, Gpu, Picture, RenderOptions, Scene, What};
-use umbrage_shadow::{Frame, Light, PlanError, Setting, ShadowMethod, ShadowPlan, Support};
+use umbrage_shadow::{Frame, Light, Part, PlanError, ShadowMethod, ShadowPlan, Support};
 
 use super::{
     CompareOptions, Config, Lab, compare,
@@ -113,19 +113,13 @@ fn what_is_standard_is_known_and_holds_the_baseline() {
 /// A method from elsewhere that goes by the name of a variant of `basic`'s, or by its own.
 struct Stranger(&'static str);
 
-impl ShadowMethod for Stranger {
+impl Part for Stranger {
     fn name(&self) -> &str {
         self.0
     }
+}
 
-    fn settings(&self) -> &[Setting] {
-        &[]
-    }
-
-    fn axes(&self) -> &[&str] {
-        &[]
-    }
-
+impl ShadowMethod for Stranger {
     fn supports(&self, _: &Light) -> Support {
         Support::No("it shadows nothing".to_owned())
     }
@@ -141,7 +135,8 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
     let mut registry = lab.registry().clone();
     for name in ["ours", "basic 15"] {
         registry
-            .register(Stranger(name))
+            .methods
+            .add(Stranger(name))
             .expect("a name of its own");
     }
     let limits = Limits::built_in().expect("a sound table");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat4, DQuat, DVec2, DVec3, Vec3};
-use umbrage_methods::basic::Basic;
+use umbrage_methods::registry;
 use umbrage_shadow::*;
 
 pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
@@ -11,7 +11,6 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         ("resolution", scene.resolution),
         ("depth_bias", scene.depth_bias),
     ];
-    let settings = Settings::check(Basic.settings(), chosen).expect("settings in range");
     let axes = BTreeMap::from([
         ("pcf".to_owned(), scene.width.to_string()),
         ("receiver_bias".to_owned(), "plane".to_owned()),
@@ -19,7 +18,11 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         ("block".to_owned(), "4".to_owned()),
         ("filter".to_owned(), scene.filter.to_owned()),
     ]);
-    Basic.plan(&Frame {
+    let registry = registry().expect("names differ");
+    let value = |axis: &str| axes.get(axis).map(String::as_str);
+    let choice = registry.choose("basic", value).expect("parts");
+    let settings = Settings::check(&choice.settings(), chosen).expect("settings in range");
+    choice.method.plan(&Frame {
         view: &scene.view,
         light: &scene.light,
         casters: Casters {
@@ -28,6 +31,8 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         },
         settings: &settings,
         axes: &axes,
+        depth: choice.depth,
+        filter: choice.filter,
         seen: None,
     })
 }

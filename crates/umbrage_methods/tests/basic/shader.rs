@@ -3,8 +3,8 @@
 use std::f64::consts::FRAC_PI_4;
 
 use glam::{DQuat, DVec2, DVec3};
-use umbrage_methods::basic_twin::BasicTwin;
 use umbrage_shadow::*;
+use umbrage_testkit::twins::BasicTwin;
 
 use crate::scene::{Scene, casters, matrix, plan};
 

@@ -9,7 +9,7 @@ mod scene;
 
 use glam::{DQuat, DVec2, DVec3, Vec4Swizzles};
 use proptest::prelude::*;
-use umbrage_methods::pssm::Pssm;
+use umbrage_methods::methods::pssm::Pssm;
 use umbrage_shadow::*;
 
 use crate::scene::{Scene, ground, lamp, passes, post, sun};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3, Vec3};
-use umbrage_methods::pssm::Pssm;
+use umbrage_methods::registry;
 use umbrage_shadow::*;
 
 #[derive(Clone, Debug)]
@@ -70,13 +70,16 @@ impl Scene {
     }
 
     pub(crate) fn plan(&self) -> Result<ShadowPlan, PlanError> {
-        self.plan_with(&Pssm)
+        self.plan_with("pssm")
     }
 
-    pub(crate) fn plan_with(&self, method: &dyn ShadowMethod) -> Result<ShadowPlan, PlanError> {
+    pub(crate) fn plan_with(&self, method: &str) -> Result<ShadowPlan, PlanError> {
         let chosen = self.settings.iter().map(|(name, v)| (name.as_str(), *v));
-        let settings = Settings::check(method.settings(), chosen).expect("settings in range");
-        method.plan(&Frame {
+        let registry = registry().expect("names differ");
+        let value = |axis: &str| self.axes.get(axis).map(String::as_str);
+        let choice = registry.choose(method, value).expect("parts");
+        let settings = Settings::check(&choice.settings(), chosen).expect("settings in range");
+        choice.method.plan(&Frame {
             view: &self.view,
             light: &self.light,
             casters: Casters {
@@ -85,6 +88,8 @@ impl Scene {
             },
             settings: &settings,
             axes: &self.axes,
+            depth: choice.depth,
+            filter: choice.filter,
             seen: self.seen,
         })
     }

@@ -276,7 +276,7 @@ impl Renderer {
         let shadow = match method.filter(|_| !lit.is_empty() || air.is_some()) {
             Some(setup) => {
                 // Air is seen from the near plane on, wherever surfaces are.
-                let wanted = air.is_none() && setup.method.wants_seen_depths(&setup.axes);
+                let wanted = air.is_none() && setup.method().wants_seen_depths(&setup.axes);
                 let seen = match wanted {
                     true => Some(self.seen_depths(frame, shot, to)?),
                     false => None,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
 use umbrage_hints::ending;
-use umbrage_shadow::{Constants, Light, LightKind, Registry, Support, Value};
+use umbrage_shadow::{Choice, Constants, Light, LightKind, Registry, Support, Value};
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
@@ -97,34 +97,48 @@ fn set_up_method<'a>(
     library: &Library,
 ) -> Result<CheckedShadow<'a>, RenderError> {
     let light = source.name.clone();
-    // Options may choose axes that are no method's, or another's.
-    let known = registry.get(method).ok();
-    let of_method = |axis: &str| known.is_some_and(|known| known.axes().contains(&axis));
-    let chosen = options.axes.iter().filter(|(axis, _)| of_method(axis));
-    let axes = shadow.axes.iter().chain(chosen);
-    let settings = shadow.settings.iter().chain(&options.settings);
-    let shadow = Shadow {
-        method: method.to_owned(),
-        axes: axes.map(|(a, v)| (a.clone(), v.clone())).collect(),
-        settings: settings
-            .map(|(name, value)| (name.clone(), *value))
-            .collect(),
+    let bad = |source| RenderError::Shadow {
+        light: light.clone(),
+        source,
     };
-    let checked = shadow
-        .check(registry, library)
-        .map_err(|source| RenderError::Shadow {
-            light: light.clone(),
-            source,
-        })?;
-    if let Support::No(reason) = checked.method.supports(&source.light) {
+    let mut all = shadow.clone();
+    method.clone_into(&mut all.method);
+    // What the scene chooses holds by itself. Where the options choose another part, it may mean nothing any more.
+    all.check(registry, library).map_err(bad)?;
+    for axis in [Choice::DEPTH, Choice::FILTER] {
+        if let Some(value) = options.axes.get(axis) {
+            all.axes.insert(axis.to_owned(), value.clone());
+        }
+    }
+    let choice = all.choice(registry, library).map_err(bad)?;
+    let (axes, settings) = (choice.axes(), choice.settings());
+    let of_parts = |axis: &str| axes.contains(&axis);
+    all.axes.retain(|axis, _| of_parts(axis));
+    all.settings
+        .retain(|name, _| settings.iter().any(|setting| setting.name == name));
+    // Options may choose axes that are no part's, or another's.
+    let chosen = options.axes.iter().filter(|(axis, _)| of_parts(axis));
+    all.axes.extend(chosen.map(|(a, v)| (a.clone(), v.clone())));
+    let chosen = options.settings.iter();
+    all.settings.extend(chosen.map(|(n, v)| (n.clone(), *v)));
+    let checked = all.check(registry, library).map_err(bad)?;
+    if let Support::No(reason) = checked.method().supports(&source.light) {
         return Err(RenderError::Unsupported {
             light,
             method: method.to_owned(),
             reason,
         });
     }
+    let axes = checked.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
+    let kind = kind_name(&source.light.kind);
+    let others = [("light", kind), ("method", method), ("pass", TERM)];
+    let legal = library.key(axes.chain(others));
+    legal.map_err(|source| RenderError::Excluded { light, source })?;
     Ok(checked)
 }
+
+/// The pass for which a shadow's values are checked to go together: the shadow term, and nothing beside it.
+const TERM: &str = "shadow_term";
 
 /// Checks what the options choose for an axis.
 fn check_option(library: &Library, axis: &str, value: &str) -> Result<(), RenderError> {
@@ -196,7 +210,7 @@ pub(super) fn key(
         if let Some(Term::Mask) = term {
             choices.insert("method", "mask");
         } else if let Some(setup) = &light.method {
-            choices.insert("method", setup.method.name());
+            choices.insert("method", setup.method().name());
             choices.extend(setup.axes.iter().map(|(a, v)| (a.as_str(), v.as_str())));
         }
         if let Some(Term::Air) = term {

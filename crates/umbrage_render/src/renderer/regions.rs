@@ -167,7 +167,7 @@ pub(super) fn check(setup: &CheckedShadow<'_>, regions: &[Region]) -> Result<(),
             let problem = format!("a region of view depth from {start} m to {end} m");
             return Err(bad_plan(setup, &problem));
         }
-        let known = setup.method.axes();
+        let known = setup.choice.axes();
         if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
             let problem = format!("a region with the axis `{axis}`, which is none of its axes");
             return Err(bad_plan(setup, &problem));

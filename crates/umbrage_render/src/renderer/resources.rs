@@ -55,7 +55,7 @@ impl Renderer {
         plan: &ShadowPlan,
     ) -> Result<Textures, RenderError> {
         use wgpu::TextureUsages as Usage;
-        let method = setup.method.name();
+        let method = setup.method().name();
         let mut textures = Textures::new();
         for desc in &plan.textures {
             let contents = contents(setup, plan, desc)?;

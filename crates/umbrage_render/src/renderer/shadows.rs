@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 use umbrage_shadow::{
-    Aabb, Blend, CasterPass, Casters, ColorTarget, DepthTarget, Frame, Pass, ShadowPlan,
-    TextureDesc, TextureShape, View, Viewport,
+    Aabb, Blend, CasterPass, ColorTarget, DepthTarget, Pass, ShadowPlan, TextureDesc, TextureShape,
+    View, Viewport,
 };
 
 use super::{
@@ -109,7 +109,7 @@ impl Renderer {
                     .collect();
                 Err(RenderError::Missing {
                     light: light.source.name.clone(),
-                    method: setup.method.name().to_owned(),
+                    method: setup.method().name().to_owned(),
                     adapter: self.gpu.adapter().to_owned(),
                     features: missing.join(", "),
                     instead: need.instead.clone(),
@@ -213,17 +213,10 @@ fn plan(
     casters: &[Aabb],
     receivers: &[Aabb],
 ) -> Result<ShadowPlan, RenderError> {
-    let frame = Frame {
-        view,
-        light: &light.source.light,
-        casters: Casters { casters, receivers },
-        settings: &setup.settings,
-        axes: &setup.axes,
-        seen,
-    };
+    let frame = setup.frame((view, seen), &light.source.light, casters, receivers);
     let light = light.source.name.clone();
     setup
-        .method
+        .method()
         .plan(&frame)
         .map_err(|source| RenderError::Plan { light, source })
 }
@@ -419,7 +412,7 @@ pub(super) fn depth_attachment(
 
 pub(super) fn bad_plan(setup: &CheckedShadow<'_>, problem: &str) -> RenderError {
     RenderError::BadPlan {
-        method: setup.method.name().to_owned(),
+        method: setup.method().name().to_owned(),
         problem: problem.to_owned(),
     }
 }

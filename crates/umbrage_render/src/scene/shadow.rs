@@ -4,40 +4,71 @@ use std::collections::BTreeMap;
 
 use umbrage_compose::Library;
 use umbrage_hints::ending;
-use umbrage_shadow::{Registry, RegistryError, Settings, SettingsError, ShadowMethod};
+use umbrage_shadow::{
+    Aabb, Casters, Choice, Frame, Light, Registry, RegistryError, Settings, SettingsError,
+    ShadowMethod, View,
+};
 
-/// A shadow method and what is chosen for it; [checked](Self::check) when rendered, as scenes do not know which methods
-/// there are.
+/// A shadow method and what is chosen for it, the depth source and the filter among its axes; [checked](Self::check) when
+/// rendered, as scenes do not know which parts there are.
 #[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
     /// The method's name.
     pub method: String,
-    /// Values of the shader library's axes that belong to the method; the rest have their defaults.
+    /// Values of the shader library's axes that belong to the method, its depth source or its filter; the rest have their
+    /// defaults.
     #[serde(default)]
     pub axes: BTreeMap<String, String>,
-    /// The method's numbers; the rest have their defaults.
+    /// Values of these parts' settings; the rest have their defaults.
     #[serde(default)]
     pub settings: BTreeMap<String, f64>,
 }
 
 /// A [`Shadow`] of which all is known.
 pub struct CheckedShadow<'a> {
-    /// The method.
-    pub method: &'a dyn ShadowMethod,
-    /// A value for each of the method's axes.
+    /// The parts.
+    pub choice: Choice<'a>,
+    /// A value for each of the parts' axes.
     pub axes: BTreeMap<String, String>,
-    /// A value for each of the method's settings.
+    /// A value for each of the parts' settings.
     pub settings: Settings,
 }
 
-/// A method, an axis, a value or a setting that there is not.
+impl<'a> CheckedShadow<'a> {
+    /// The method.
+    pub fn method(&self) -> &'a dyn ShadowMethod {
+        self.choice.method
+    }
+
+    /// What the parts plan for.
+    pub fn frame<'f>(
+        &'f self,
+        (view, seen): (&'f View, Option<[f64; 2]>),
+        light: &'f Light,
+        casters: &'f [Aabb],
+        receivers: &'f [Aabb],
+    ) -> Frame<'f> {
+        Frame {
+            view,
+            light,
+            casters: Casters { casters, receivers },
+            settings: &self.settings,
+            axes: &self.axes,
+            depth: self.choice.depth,
+            filter: self.choice.filter,
+            seen,
+        }
+    }
+}
+
+/// A part, an axis, a value or a setting that there is not, or parts that do not go together.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowError {
-    /// No such method.
+    /// No such part, or parts that do not go together.
     #[error(transparent)]
-    Method(#[from] RegistryError),
+    Part(#[from] RegistryError),
     /// The method has no such axis.
     #[error("method `{method}` has no axis `{axis}` (known: {known}){hint}")]
     Axis {
@@ -76,44 +107,66 @@ impl Shadow {
     /// The method of lights that cast no shadows.
     pub const NONE: &str = "none";
 
-    /// The method that is chosen, with defaults for what is not.
+    /// The parts that are chosen, with defaults for what is not.
     ///
     /// # Errors
-    /// A method that is not registered; an axis that it has not, a value that the axis has not in `library`; settings that
-    /// the method refuses.
+    /// A part that is not registered; an axis that none of the parts has, a value that the axis has not in `library`;
+    /// settings that the parts refuse.
     pub fn check<'a>(
         &self,
         registry: &'a Registry,
         library: &Library,
     ) -> Result<CheckedShadow<'a>, ShadowError> {
-        let method = registry.get(&self.method)?;
-        let has = |axis: &&String| method.axes().contains(&axis.as_str());
+        let choice = self.choice(registry, library)?;
+        let known = choice.axes();
+        let has = |axis: &&String| known.contains(&axis.as_str());
         if let Some(axis) = self.axes.keys().find(|axis| !has(axis)) {
             return Err(ShadowError::Axis {
                 method: self.method.clone(),
                 axis: axis.clone(),
-                known: method.axes().join(", "),
-                hint: ending(axis, method.axes().iter().copied()),
+                known: known.join(", "),
+                hint: ending(axis, known.iter().copied()),
             });
         }
         let mut axes = BTreeMap::new();
-        for &axis in method.axes() {
-            let default = || library.axes().get(axis)?.default.clone();
-            let value = self.axes.get(axis).cloned().or_else(default);
-            let value = value.unwrap_or_default();
-            check_value(library, axis, &value)?;
-            axes.insert(axis.to_owned(), value);
+        for axis in known {
+            let value = self.value(library, axis).unwrap_or("");
+            check_value(library, axis, value)?;
+            axes.insert(axis.to_owned(), value.to_owned());
         }
         let chosen = self.settings.iter().map(|(name, v)| (name.as_str(), *v));
-        let settings = Settings::check(method.settings(), chosen).map_err(|source| {
+        let settings = Settings::check(&choice.settings(), chosen).map_err(|source| {
             let method = self.method.clone();
             ShadowError::Settings { method, source }
         })?;
         Ok(CheckedShadow {
-            method: method.as_ref(),
+            choice,
             axes,
             settings,
         })
+    }
+
+    /// The parts that are chosen.
+    ///
+    /// # Errors
+    /// A part that is not registered, or that `library` does not have; parts that do not go together.
+    pub fn choice<'a>(
+        &self,
+        registry: &'a Registry,
+        library: &Library,
+    ) -> Result<Choice<'a>, ShadowError> {
+        for axis in [Choice::DEPTH, Choice::FILTER] {
+            if let Some(value) = self.axes.get(axis) {
+                check_value(library, axis, value)?;
+            }
+        }
+        Ok(registry.choose(&self.method, |axis| self.value(library, axis))?)
+    }
+
+    /// The value of an axis: what is chosen, or its default.
+    fn value<'a>(&'a self, library: &'a Library, axis: &str) -> Option<&'a str> {
+        let chosen = self.axes.get(axis).map(String::as_str);
+        chosen.or_else(|| library.axes().get(axis)?.default.as_deref())
     }
 }
 

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use umbrage_compose::{Composer, Library, Package, Target};
 use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
 use umbrage_shadow::{
-    Frame, Light, PlanError, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape,
+    Frame, Light, Part, PlanError, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
+    TextureShape,
 };
 use wgpu::TextureFormat;
 
@@ -23,7 +24,7 @@ const SETTINGS: [Setting; 1] = [Setting {
     whole: true,
 }];
 
-impl ShadowMethod for Probe {
+impl Part for Probe {
     fn name(&self) -> &str {
         "probe"
     }
@@ -33,6 +34,9 @@ impl ShadowMethod for Probe {
     fn axes(&self) -> &[&str] {
         &["pcf"]
     }
+}
+
+impl ShadowMethod for Probe {
     fn supports(&self, _: &Light) -> Support {
         Support::Yes
     }
@@ -65,7 +69,10 @@ pub(crate) fn probing_with(
     let library = Library::new([ours, probe]).expect("the library");
     let composer = Arc::new(Composer::new(library, Target::default()));
     let mut registry = methods();
-    registry.register(Probe(Box::new(plan))).expect("a new one");
+    registry
+        .methods
+        .add(Probe(Box::new(plan)))
+        .expect("a new one");
     Renderer::new(
         Arc::new(Gpu::new().expect("an adapter")),
         composer,

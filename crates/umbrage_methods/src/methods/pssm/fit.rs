@@ -1,0 +1,415 @@
+//! Which splits there are, and what each one's map holds.
+
+use glam::{DMat4, DVec2, DVec3};
+use umbrage_shadow::{
+    Bias, Bounds, Extent, Field, Frame, Frustum, Lens, MapRange, PlanError, Projection, Rect, View,
+    overlap, split_depths,
+};
+
+use super::{Lookup, SETTINGS};
+
+/// A frame's numbers, checked.
+pub(super) struct Job<'a> {
+    pub frame: &'a Frame<'a>,
+    pub bounds: Bounds,
+    view: View,
+    splits: usize,
+    lambda: f64,
+    pub shadow_distance: Option<f64>,
+    /// Texels along a tile's side.
+    pub tile: u32,
+    depth_bias: f64,
+    band: f64,
+    pub follows_plane: bool,
+    pub lookup: Lookup,
+    pub transition: Transition,
+    stable: bool,
+    /// Between which view depths pixels see something, where that is to bound the splits.
+    seen: Option<[f64; 2]>,
+}
+
+/// How one split passes into the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Transition {
+    Hard,
+    Blend,
+    Dither,
+}
+
+/// The splits that receivers touch, and what they share.
+pub(super) struct Splits {
+    /// World (camera-relative) to base space.
+    pub base: DMat4,
+    /// Ascending.
+    pub splits: Vec<Split>,
+}
+
+impl Splits {
+    /// Whether a split passes into another: the last one, and one before a gap, passes into nothing.
+    pub(super) fn has_next(&self, split: &Split) -> bool {
+        let mut all = self.splits.iter();
+        all.any(|next| next.depths[0] == split.depths[1])
+    }
+}
+
+/// One split's map.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Split {
+    /// The view depths at which it begins and ends, metres.
+    pub depths: [f64; 2],
+    /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
+    pub scale: DVec3,
+    pub offset: DVec3,
+    /// A receiver's depth d is raised by x + y · d.
+    pub raise: DVec2,
+    pub bias: Bias,
+    /// World (camera-relative) to clip space.
+    pub view_proj: DMat4,
+    pub casters: Vec<usize>,
+    /// The distances that the map holds.
+    pub range: MapRange,
+}
+
+impl<'a> Job<'a> {
+    pub(super) fn new(frame: &'a Frame<'a>) -> Result<Self, PlanError> {
+        frame.validate()?;
+        for setting in &SETTINGS {
+            frame.setting(setting)?;
+        }
+        let setting = |name| frame.settings.get(name);
+        let distance = setting("shadow_distance");
+        let tile = setting("resolution") as u32;
+        let fits = [("stable", true), ("tight", false)];
+        let transitions = [
+            ("hard", Transition::Hard),
+            ("blend", Transition::Blend),
+            ("dither", Transition::Dither),
+        ];
+        frame.choice("taper", &[("off", ()), ("on", ())])?;
+        Ok(Self {
+            frame,
+            bounds: frame.bounds(),
+            view: frame.view.clone(),
+            splits: setting("splits") as usize,
+            lambda: match frame.view.projection.field {
+                Field::Perspective { .. } => setting("lambda"),
+                // Pixels are as large at all depths.
+                Field::Orthographic { .. } => 0.0,
+            },
+            shadow_distance: (distance > 0.0).then_some(frame.view.eye + distance),
+            tile,
+            depth_bias: (frame.filter()?).depth_bias(frame, setting("depth_bias"), tile)?,
+            band: setting("band"),
+            lookup: Lookup::of(frame, setting("splits") as usize)?,
+            follows_plane: frame
+                .choice("receiver_bias", &[("constant", false), ("plane", true)])?,
+            transition: frame.choice("transition", &transitions)?,
+            stable: frame.choice("fit", &fits)?,
+            seen: seen(frame)?,
+        })
+    }
+
+    /// How much of a split before its end passes into the next one, metres.
+    pub(super) fn band_length(&self, split: &Split) -> f64 {
+        self.band * (split.depths[1] - split.depths[0])
+    }
+
+    /// The way that the camera looks.
+    pub(super) fn forward(&self) -> DVec3 {
+        self.view.forward()
+    }
+
+    pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
+        let lens = Lens::directional(direction);
+        let Some(shaded) = lens.around(&self.bounds.casters) else {
+            return Ok(Splits {
+                base: lens.base(),
+                splits: Vec::new(),
+            });
+        };
+        let slices = self.slices(&lens, DVec3::ZERO, None, Some(&shaded))?;
+        let fit = |slice: Slice| {
+            let mut seen = slice.seen;
+            let least = seen.precision;
+            seen.rect = if self.stable {
+                self.around_sphere(&lens, slice.held, &shaded, least, slice.inner)
+            } else {
+                self.around(&seen.rect, least, slice.inner)
+            };
+            let casters = seen.take_casters(&lens, 0.0, &self.bounds.casters);
+            let texel = self.texel(&seen.rect);
+            let bias = Bias::new(&lens, &seen, self.depth_bias, texel, 0.0);
+            self.split(&lens, slice.depths, &seen, casters, bias)
+        };
+        Ok(Splits {
+            base: lens.base(),
+            splits: slices.into_iter().map(fit).collect::<Result<_, _>>()?,
+        })
+    }
+
+    pub(super) fn spot(
+        &self,
+        position: DVec3,
+        direction: DVec3,
+        angle: f64,
+        range: f64,
+    ) -> Result<Splits, PlanError> {
+        let lens = Lens::spot(position, direction);
+        let floor = Extent::NEAREST * range;
+        let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
+        let slices = self.slices(&lens, position, Some(&cone), None)?;
+        let fit = |slice: Slice| {
+            let mut seen = slice.seen;
+            let least = seen.precision / seen.far;
+            seen.rect = if self.stable {
+                self.on_grid(&seen.rect, least, slice.inner)
+            } else {
+                self.around(&seen.rect, least, slice.inner)
+            };
+            let nearest = seen.near;
+            let casters = seen.take_casters(&lens, floor, &self.bounds.casters);
+            let texel = self.texel(&seen.rect);
+            let bias = Bias::new(&lens, &seen, self.depth_bias, texel, nearest);
+            self.split(&lens, slice.depths, &seen, casters, bias)
+        };
+        Ok(Splits {
+            base: lens.base(),
+            splits: slices.into_iter().map(fit).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The splits that receivers touch. `cone` is what the light reaches, `shaded` the part of the lens's plane where
+    /// there is shadow, where these are less than all.
+    fn slices(
+        &self,
+        lens: &Lens,
+        position: DVec3,
+        cone: Option<&Frustum>,
+        shaded: Option<&Rect>,
+    ) -> Result<Vec<Slice>, PlanError> {
+        let Some([near, far]) = self.range(cone) else {
+            return Ok(Vec::new());
+        };
+        let depths = split_depths(near, far, self.splits, self.lambda)?;
+        let seen_in = |[near, far]: [f64; 2]| {
+            let part = self.view.part_relative(
+                near * (1.0 - Extent::PADDING),
+                far * (1.0 + Extent::PADDING),
+            );
+            let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
+            let seen = Extent::of(lens, position, &self.bounds.receivers, &volumes)?;
+            let rect = shaded.map_or(Some(seen.rect), |shaded| shaded.intersection(&seen.rect))?;
+            Some(Extent { rect, ..seen })
+        };
+        let mut slices = Vec::<Slice>::new();
+        for pair in depths.windows(2) {
+            let depths = [pair[0], pair[1]];
+            let mut held = depths;
+            if let Some(before) = slices.last().filter(|slice| slice.depths[1] == depths[0])
+                && self.transition != Transition::Hard
+            {
+                held[0] -= self.band * (before.depths[1] - before.depths[0]);
+            }
+            // Who is seen in the band alone has the map of the split before.
+            if seen_in(depths).is_some()
+                && let Some(seen) = seen_in(held)
+            {
+                let margin = self.frame.margin(slices.len())?;
+                let inner = f64::from(self.tile) - 2.0 * margin;
+                slices.push(Slice {
+                    depths,
+                    held,
+                    seen,
+                    inner,
+                });
+            }
+        }
+        Ok(slices)
+    }
+
+    /// The view depths between which receivers are seen, and shadowed.
+    fn range(&self, cone: Option<&Frustum>) -> Option<[f64; 2]> {
+        let volumes: Vec<_> = std::iter::once(&self.bounds.camera).chain(cone).collect();
+        let forward = self.view.forward();
+        let receivers = self.bounds.receivers.iter();
+        let points = receivers.flat_map(|receiver| overlap(receiver, &volumes));
+        let depths = points.map(|point| point.dot(forward));
+        let [near, far] = depths.map(|depth| [depth, depth]).reduce(|a, b| {
+            let [near, far] = [a[0].min(b[0]), a[1].max(b[1])];
+            [near, far]
+        })?;
+        let Projection {
+            near: least,
+            far: most,
+            ..
+        } = self.view.projection;
+        let [near, far] = self
+            .seen
+            .map_or([near, far], |seen| [near.max(seen[0]), far.min(seen[1])]);
+        if near > far {
+            return None;
+        }
+        let [near, far] = match self.view.projection.field {
+            // Its length must not depend on where the view stands: a texel's width follows it.
+            Field::Orthographic { height } if self.stable => {
+                let length = (far - near).max(height / 64.0);
+                steady(near, length, self.view.eye)
+            }
+            Field::Perspective { .. } if self.stable => [
+                near.log2().floor().exp2().max(least) * (1.0 - Extent::PADDING),
+                far.log2().ceil().exp2().min(most) * (1.0 + Extent::PADDING),
+            ],
+            _ => [
+                near.max(least) * (1.0 - Extent::PADDING),
+                far.min(most) * (1.0 + Extent::PADDING),
+            ],
+        };
+        let far = self
+            .shadow_distance
+            .map_or(far, |distance| far.min(distance));
+        (near < far - Extent::PADDING * far.abs()).then_some([near, far])
+    }
+
+    /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
+    fn around(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
+        let tile = f64::from(self.tile);
+        let size = rect.size().max(DVec2::splat(least * tile));
+        rect.resized(size * tile / inner)
+    }
+
+    /// The square on the world's grid of texels around all that the camera may see between two view depths,
+    /// wherever it looks; or around all that is `shaded`, where that is less.
+    fn around_sphere(
+        &self,
+        lens: &Lens,
+        [near, far]: [f64; 2],
+        shaded: &Rect,
+        least: f64,
+        inner: f64,
+    ) -> Rect {
+        let (middle, radius) = sphere(&self.view.projection, near, far);
+        // Relative to the camera is where the number's digits are spent; the grid is the world's.
+        let (anchor, _) = lens.place(self.bounds.origin);
+        let (center, _) = lens.place(middle * self.view.forward());
+        let whole = rounded_up(shaded.size().max_element(), 8.0);
+        let (center, size) = if whole < 2.0 * radius {
+            (0.5 * (shaded.min + shaded.max), whole)
+        } else {
+            (center, 2.0 * radius)
+        };
+        self.snapped(anchor, center, stable_texel(size, least, inner))
+    }
+
+    /// The square on the light's grid of texels around `rect`, its size rounded up.
+    fn on_grid(&self, rect: &Rect, least: f64, inner: f64) -> Rect {
+        let size = rounded_up(rect.size().max_element(), 2.0);
+        let texel = stable_texel(size, least, inner);
+        self.snapped(DVec2::ZERO, 0.5 * (rect.min + rect.max), texel)
+    }
+
+    /// The map about `center` whose corner is a whole number of texels from the grid's origin, which is at
+    /// −`anchor`.
+    fn snapped(&self, anchor: DVec2, center: DVec2, texel: f64) -> Rect {
+        let tile = f64::from(self.tile);
+        let corner = (anchor + center) / texel - 0.5 * tile;
+        let min = (corner + 0.5).floor() * texel - anchor;
+        Rect {
+            min,
+            max: min + tile * texel,
+        }
+    }
+
+    /// A texel's width in the lens's plane.
+    fn texel(&self, rect: &Rect) -> f64 {
+        rect.size().max_element() / f64::from(self.tile)
+    }
+
+    fn split(
+        &self,
+        lens: &Lens,
+        depths: [f64; 2],
+        seen: &Extent,
+        casters: Vec<usize>,
+        bias: Bias,
+    ) -> Result<Split, PlanError> {
+        let Rect { min, max } = seen.rect;
+        let across = f64::from(self.tile) / seen.rect.size();
+        let terms = lens.depth_terms(seen.near, seen.far);
+        let rising = if lens.is_perspective() { 1.0 } else { -1.0 };
+        Ok(Split {
+            depths,
+            // Rows of texels count downwards.
+            scale: DVec3::new(across.x, -across.y, rising * terms.y),
+            offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
+            raise: self.frame.receiver_bias(&bias)?,
+            bias,
+            view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
+            casters,
+            range: MapRange::new(lens, seen, self.tile),
+        })
+    }
+}
+
+/// Between which view depths pixels see something, where the axis `range` asks for it.
+fn seen(frame: &Frame<'_>) -> Result<Option<[f64; 2]>, PlanError> {
+    let ranges = [("boxes", false), ("depths", true)];
+    if !frame.choice("range", &ranges)? {
+        return Ok(None);
+    }
+    let problem = "the frame's depths seen";
+    PlanError::check(
+        frame.seen.is_some(),
+        problem,
+        "missing",
+        "there, as the axis `range` is `depths`",
+    )?;
+    Ok(frame.seen)
+}
+
+/// A split that receivers touch.
+struct Slice {
+    /// Where it begins and ends.
+    depths: [f64; 2],
+    /// What its map holds: its beginning is in the band of the split before.
+    held: [f64; 2],
+    seen: Extent,
+    /// Texels along its map's side without the filter's margins.
+    inner: f64,
+}
+
+/// A size rounded up to one of `steps` to the octave: what changes little leaves it alone, and so does rounding, which
+/// may be a 10,000th of a texel.
+fn rounded_up(size: f64, steps: f64) -> f64 {
+    const ROUNDING: f64 = 1e-8;
+    let octaves = size.max(f64::MIN_POSITIVE).log2() - ROUNDING;
+    ((steps * octaves).ceil() / steps).exp2()
+}
+
+/// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to
+/// a power of two.
+fn stable_texel(size: f64, least: f64, inner: f64) -> f64 {
+    (size / (inner - 1.0)).max(least.log2().ceil().exp2())
+}
+
+/// The depth range of an orthographic view from `near` on, rounded outwards so that it seldom changes: its length to
+/// two steps an octave, its ends to multiples of an eighth of that length from where the camera stands.
+fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
+    let length = rounded_up(length * 8.0 / 7.0, 2.0);
+    let step = length / 8.0;
+    let near = ((near - eye) / step).floor() * step + eye;
+    [
+        near - Extent::PADDING * length,
+        near + (1.0 + Extent::PADDING) * length,
+    ]
+}
+
+/// The smallest sphere around the part of the view from `near` to `far` (view depths, metres): the depth of its middle
+/// on the camera's axis, and its radius.
+fn sphere(projection: &Projection, near: f64, far: f64) -> (f64, f64) {
+    // Squares of half the diagonal at the two ends; both are equally far from the middle, unless it is beyond `far`.
+    let across = |depth: f64| 0.25 * projection.size_at(depth).length_squared();
+    let apart = 0.5 * (across(far) - across(near)) / (far - near);
+    let middle = (0.5 * (near + far) + apart).min(far);
+    let to = |depth: f64| (middle - depth).powi(2) + across(depth);
+    (middle, to(near).max(to(far)).sqrt())
+}

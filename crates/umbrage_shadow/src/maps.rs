@@ -1,0 +1,184 @@
+//! A light's shadow maps: what a method fits, a depth source fills and a filter samples.
+
+use glam::DMat4;
+use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
+
+use crate::{
+    Bias, CasterPass, DepthTarget, Extent, Lens, Pass, SamplerDesc, ShadowPlan, TextureDesc,
+    TextureShape, Viewport,
+};
+
+/// A light's shadow maps, in one texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps {
+    /// The texture's shape: tiles of one rectangle, or a cube's faces.
+    pub shape: TextureShape,
+    /// Texels across and down the texture.
+    pub size: [u32; 2],
+    /// The maps. A map's place in this list is its number: `Tile.number` in shaders. As tiles they are squares of one size,
+    /// from the left, then from the top.
+    pub maps: Vec<Map>,
+    /// Whether what is compared with the maps follows the receiver's plane.
+    pub follows_plane: bool,
+}
+
+/// One shadow map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// Where it lies in the texture.
+    pub tile: Viewport,
+    /// The texture's layer; of a cube, its face.
+    pub layer: u32,
+    /// World (camera-relative) to clip space.
+    pub view_proj: DMat4,
+    /// The casters to draw: indices into the frame's casters, ascending.
+    pub casters: Vec<usize>,
+    /// The view depths that it is read for: see [`CasterPass::receivers`].
+    pub receivers: Option<[f64; 2]>,
+    /// What keeps its receivers from shading themselves.
+    pub bias: Bias,
+    /// The distances that it holds.
+    pub range: MapRange,
+}
+
+/// The distances that a map's depths stand for: from the light along its axis, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapRange {
+    /// The distance at depth 1.
+    pub near: f64,
+    /// The distance at depth 0.
+    pub far: f64,
+    /// Whether depth is linear in one over the distance, and not in the distance.
+    pub perspective: bool,
+    /// The width of a texel at the far end.
+    pub texel: f64,
+}
+
+impl MapRange {
+    /// The range of a map of what is `seen`, with `side` texels.
+    pub fn new(lens: &Lens, seen: &Extent, side: u32) -> Self {
+        let perspective = lens.is_perspective();
+        let spread = if perspective { seen.far } else { 1.0 };
+        Self {
+            near: seen.near,
+            far: seen.far,
+            perspective,
+            texel: spread * seen.rect.size().max_element() / f64::from(side),
+        }
+    }
+
+    /// What makes depths linear: a depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far,
+    /// which is A + B / d solved for d. 0 without a perspective.
+    pub fn ratio(&self) -> f64 {
+        if self.perspective {
+            (self.far - self.near) / self.near
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Map {
+    /// The pass that draws the nearest depths of this map into the depth texture `target`; it clears the whole layer where
+    /// it `clears`.
+    ///
+    /// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform a mirror.
+    pub fn nearest(&self, target: &str, clears: bool) -> CasterPass {
+        let nearest = DepthTarget::nearest(target);
+        CasterPass {
+            shader: "caster".to_owned(),
+            depth: Some(DepthTarget {
+                layer: self.layer,
+                clear: nearest.clear.filter(|_| clears),
+                ..nearest
+            }),
+            color: None,
+            viewport: self.tile,
+            cull: None,
+            view_proj: self.view_proj.as_mat4(),
+            casters: self.casters.clone(),
+            receivers: self.receivers,
+        }
+    }
+}
+
+impl Maps {
+    /// The binding of the depth texture that depth sources fill and filters sample.
+    pub const BINDING: &str = "shadow_map";
+
+    /// The binding of the sampler with which the hardware compares depths.
+    pub const SAMPLER: &str = "shadow_sampler";
+
+    /// The format of depths.
+    pub const FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+    /// The least that a shader can bind, where there is no map.
+    pub fn none(follows_plane: bool) -> Self {
+        Self {
+            shape: TextureShape::D2,
+            size: [1, 1],
+            maps: Vec::new(),
+            follows_plane,
+        }
+    }
+
+    /// A texture as large as the maps' own.
+    pub fn texture(&self, name: &str, format: TextureFormat) -> TextureDesc {
+        TextureDesc {
+            shape: self.shape,
+            ..TextureDesc::d2(name, format, self.size)
+        }
+    }
+
+    /// Texels along each map's side.
+    pub fn side(&self) -> u32 {
+        self.maps.first().map_or(1, |map| map.tile.width)
+    }
+
+    /// Adds a depth texture of the nearest depths to `plan`, and the passes that draw them.
+    pub fn nearest(&self, target: &str, plan: &mut ShadowPlan) {
+        plan.textures.push(self.texture(target, Self::FORMAT));
+        for (number, map) in self.maps.iter().enumerate() {
+            let mut before = self.maps[..number].iter();
+            let clears = before.all(|other| other.layer != map.layer);
+            let pass = map.nearest(target, clears);
+            plan.passes.push(Pass::Casters(pass));
+        }
+    }
+}
+
+impl TextureDesc {
+    /// A texture of one rectangle.
+    pub fn d2(name: &str, format: TextureFormat, [width, height]: [u32; 2]) -> Self {
+        Self {
+            name: name.to_owned(),
+            format,
+            width,
+            height,
+            shape: TextureShape::D2,
+        }
+    }
+}
+
+impl SamplerDesc {
+    /// The sampler with which the hardware compares reversed depths, and blends four comparisons.
+    pub fn comparison() -> Self {
+        Self {
+            name: Maps::SAMPLER.to_owned(),
+            filter: FilterMode::Linear,
+            compare: Some(CompareFunction::GreaterEqual),
+        }
+    }
+}
+
+impl Viewport {
+    /// All of a square of `side` texels.
+    pub fn square(side: u32) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width: side,
+            height: side,
+        }
+    }
+}

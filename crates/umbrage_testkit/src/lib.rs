@@ -1,0 +1,3 @@
+//! What tests of shadows are held against.
+
+pub mod twins;
