@@ -132,6 +132,13 @@
 //! A method with a map, passes and filters to learn from is [`methods::basic`]; how the trait came to
 //! have its shape is told in [`shadow`].
 
+/// Vectors and matrices, as all of Umbrage has them.
+pub use glam;
+/// The device, as all of Umbrage drives it.
+pub use wgpu;
+/// Formats, samplers and the like, as plans have them.
+pub use wgpu_types;
+
 pub use umbrage_compose as compose;
 pub use umbrage_methods as methods;
 pub use umbrage_render as render;

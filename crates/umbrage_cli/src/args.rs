@@ -130,9 +130,9 @@ pub(crate) struct CompareArgs {
     /// The methods, with commas between; without it or with `all`, every one.
     #[arg(long, value_name = "all|A,B")]
     pub(crate) methods: Option<String>,
-    /// A list of configurations to try; without it, the project's own.
-    #[arg(long, value_name = "FILE.ron")]
-    pub(crate) configs: Option<PathBuf>,
+    /// Lists of configurations to try; `standard` is the project's own, which is tried without any.
+    #[arg(long, value_name = "FILE.ron", num_args = 1..)]
+    pub(crate) configs: Vec<PathBuf>,
     /// The pictures' size in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
     pub(crate) size: (u32, u32),

@@ -18,8 +18,8 @@ use umbrage::compose::{
 use crate::{
     args::CheckArgs,
     cause::{Axis, Checked, smallest_cause, subjects as bits},
+    known::Known,
     output::{print_json, progress},
-    packages::selected,
     targets::target,
 };
 
@@ -106,7 +106,7 @@ type Ordinal = (u32, u32, u32);
 /// Manifests are told apart as if they were an axis.
 const ORIGIN: &str = "the manifest";
 
-pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
+pub(crate) fn check(args: &CheckArgs, known: &Known) -> Result<ExitCode> {
     let mut subjects = Vec::new();
     let mut findings = Findings::default();
     let several = args.manifests.len() > 1;
@@ -126,7 +126,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<ExitCode> {
         }
     }
     if args.manifests.is_empty() {
-        let manifest = selected(&args.keys)?;
+        let manifest = known.selected(&args.keys)?;
         let target = target(args.target.as_deref().unwrap_or(manifest.target()))?;
         subjects.push(Subject {
             composer: Composer::new(manifest.library().clone(), target),

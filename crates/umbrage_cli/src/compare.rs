@@ -5,9 +5,7 @@ use std::{path::Path, process::ExitCode, sync::Arc};
 use anyhow::{Context, Result, bail};
 use umbrage::{
     compose::{Composer, RonFile, Target},
-    methods::registry,
     render::{Gpu, Scene},
-    shader_library,
     shadow::Registry,
 };
 use umbrage_isa::Compiler;
@@ -19,16 +17,18 @@ use umbrage_measure::{
 
 use crate::{
     args::CompareArgs,
+    known::Known,
     output::Bars,
     report::{check_out, write_report},
 };
 
-pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode> {
+pub(crate) fn compare(args: &CompareArgs, known: Known) -> Result<ExitCode> {
     check_out(&args.out)?;
-    let registry = registry()?;
+    let library = known.library(&[])?;
+    let registry = known.registry;
     let methods = chosen(args.methods.as_deref(), &registry)?;
     let scenes = load(args)?;
-    let mut composer = Composer::new(shader_library()?, Target::webgpu());
+    let mut composer = Composer::new(library, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
     }
@@ -80,12 +80,15 @@ pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<Str
 
 /// What was typed, without the way to this program.
 fn command_line() -> String {
-    let words = std::env::args().skip(1);
+    let mut words = std::env::args();
+    let program = words.next().unwrap_or_default();
+    let program = Path::new(&program).file_stem();
+    let program = program.map_or("umbrage".into(), |name| name.to_string_lossy().into_owned());
     let quoted = words.map(|word| match word.contains(char::is_whitespace) {
         true => format!("'{word}'"),
         false => word,
     });
-    std::iter::once("umbrage".to_owned())
+    std::iter::once(program)
         .chain(quoted)
         .collect::<Vec<_>>()
         .join(" ")
@@ -102,15 +105,37 @@ fn load(args: &CompareArgs) -> Result<Vec<(String, Scene)>> {
 
 /// The configurations to try: of the methods asked for alone.
 fn configs(args: &CompareArgs, lab: &Lab, methods: &[String]) -> Result<Vec<Config>> {
-    let Some(path) = &args.configs else {
-        return Ok(Config::standard(methods, lab.registry(), lab.library())?);
-    };
-    let mut configs = Config::read(&RonFile::load(path)?, lab.registry(), lab.library())?;
-    configs.retain(|config| methods.contains(&config.method));
-    if configs.is_empty() {
+    let (registry, library) = (lab.registry(), lab.library());
+    let standard = || Config::standard(methods, registry, library);
+    if args.configs.is_empty() {
+        return Ok(standard()?);
+    }
+    let mut all = Vec::<Config>::new();
+    for path in &args.configs {
+        let configs = match path.as_os_str() == "standard" {
+            true => standard()?,
+            false => Config::read(&RonFile::load(path)?, registry, library)?,
+        };
+        for config in configs {
+            let same = |other: &&Config| {
+                let id =
+                    |config: &Config| (config.method.clone(), config.name.clone(), config.path);
+                id(other) == id(&config)
+            };
+            if let Some(Config { method, name, .. }) = all.iter().find(same) {
+                bail!(
+                    "--configs: method `{method}` has two configurations called `{name}`, one of {}; rename it",
+                    path.display()
+                );
+            }
+            all.push(config);
+        }
+    }
+    all.retain(|config| methods.contains(&config.method));
+    if all.is_empty() {
         bail!("--configs lists none of the methods that --methods names");
     }
-    Ok(configs)
+    Ok(all)
 }
 
 /// Says for a person what there is to read.

@@ -10,8 +10,8 @@ use umbrage_isa::{Budget, CompilerOptions, IsaError, PipelineState, StageCost, c
 
 use crate::{
     args::CostArgs,
+    known::Known,
     output::{print, print_json, progress},
-    packages::selected,
     targets::target,
 };
 
@@ -64,8 +64,8 @@ struct Subject {
     keys: Vec<Key>,
 }
 
-pub(crate) fn cost(args: &CostArgs) -> Result<ExitCode> {
-    let report = examine(args).with_context(|| {
+pub(crate) fn cost(args: &CostArgs, known: &Known) -> Result<ExitCode> {
+    let report = examine(args, known).with_context(|| {
         let named = args.manifest.as_ref();
         let named = named.map_or("--key".to_owned(), |path| path.display().to_string());
         format!("what the permutations of {named} cost cannot be told")
@@ -90,10 +90,10 @@ pub(crate) fn cost(args: &CostArgs) -> Result<ExitCode> {
     })
 }
 
-fn examine(args: &CostArgs) -> Result<Report> {
+fn examine(args: &CostArgs, known: &Known) -> Result<Report> {
     let manifest = match &args.manifest {
         Some(path) => Manifest::load(path)?,
-        None => selected(&args.keys)?,
+        None => known.selected(&args.keys)?,
     };
     let axes = manifest.library().axes();
     let budget = args.budget.as_deref();

@@ -14,8 +14,8 @@ use umbrage::compose::{Composer, Library, Selection, Target, Variant};
 
 use crate::{
     args::ExplainArgs,
+    known::Known,
     output::{print, print_json},
-    packages::library,
 };
 
 /// JSON report about a key.
@@ -58,8 +58,8 @@ struct OfFile {
     values: BTreeMap<String, BTreeSet<String>>,
 }
 
-pub(crate) fn explain(args: &ExplainArgs) -> Result<ExitCode> {
-    let library = library(&args.packages)?;
+pub(crate) fn explain(args: &ExplainArgs, known: &Known) -> Result<ExitCode> {
+    let library = known.library(&args.packages)?;
     let path = Path::new(&args.what);
     if path.exists()
         || path

@@ -9,13 +9,13 @@ use std::{
 use anyhow::{Context, Result};
 use umbrage::compose::{Composer, Permutation, Target, link_file};
 
-use crate::{args::LinkArgs, output::print, packages::library};
+use crate::{args::LinkArgs, known::Known, output::print};
 
-pub(crate) fn link(args: &LinkArgs) -> Result<ExitCode> {
+pub(crate) fn link(args: &LinkArgs, known: &Known) -> Result<ExitCode> {
     let permutation = match (&args.file, &args.key) {
         (Some(file), _) => Arc::new(module(file, args)?),
         (None, key) => {
-            let library = library(args.package.as_slice())?;
+            let library = known.library(args.package.as_slice())?;
             let key = library.parse_key(key.as_deref().unwrap_or(""))?;
             Composer::new(library, Target::default())
                 .compose(&key)?

@@ -13,8 +13,8 @@ use umbrage::compose::{Composer, Error, Manifest, Selection, Target, Variants};
 
 use crate::{
     args::ListArgs,
+    known::Known,
     output::{print, print_json},
-    packages::selected,
 };
 
 /// What `--json` prints.
@@ -38,12 +38,12 @@ struct ListedAxis {
     multiplier: f64,
 }
 
-pub(crate) fn list(args: &ListArgs) -> Result<ExitCode> {
+pub(crate) fn list(args: &ListArgs, known: &Known) -> Result<ExitCode> {
     let manifest = match &args.manifest {
         Some(path) => {
             Manifest::load(path).with_context(|| format!("{} cannot be listed", path.display()))?
         }
-        None => selected(&args.keys)?,
+        None => known.selected(&args.keys)?,
     };
     // Nothing is composed: which permutations there are is the same for all targets.
     let composer = Composer::new(manifest.library().clone(), Target::webgpu());

@@ -15,8 +15,8 @@ use umbrage::compose::{Composed, Composer, Error, Key, Manifest};
 use crate::{
     args::PrebuildArgs,
     folder::{Kind, store},
+    known::Known,
     output::progress,
-    packages::selected,
     targets::target,
 };
 
@@ -79,7 +79,7 @@ enum Lost {
     All(Error),
 }
 
-pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
+pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
     PREBUILD.check_replaceable(&args.out)?;
     let mut keys: BTreeMap<String, Files> = BTreeMap::new();
     let mut permutations: BTreeMap<String, Built> = BTreeMap::new();
@@ -93,7 +93,7 @@ pub(crate) fn prebuild(args: &PrebuildArgs) -> Result<ExitCode> {
     for (source, path) in sources {
         let manifest = match path {
             Some(path) => Manifest::load(path).map_err(Into::into),
-            None => selected(&args.keys),
+            None => known.selected(&args.keys),
         };
         let built = manifest.and_then(|manifest| build(&manifest));
         let built = built.with_context(|| format!("{source} cannot be prebuilt"))?;

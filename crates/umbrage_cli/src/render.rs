@@ -6,16 +6,15 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
     compose::{Composer, Purpose, Source, Target},
-    methods::registry,
     render::{
         self, Gpu, LeftOut, PermutationUse, RenderOptions, Rendered, Renderer, Scene, Shadow,
     },
-    shader_library,
 };
 use umbrage_measure::truth::TruthError;
 
 use crate::{
     args::{RenderArgs, What},
+    known::Known,
     output::{check_picture, print_json, waiting},
 };
 
@@ -66,9 +65,10 @@ struct Used<'a> {
     shadow: bool,
 }
 
-pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
+pub(crate) fn render(args: &RenderArgs, known: Known) -> Result<ExitCode> {
     check_picture(&args.out)?;
-    let registry = registry()?;
+    let library = known.library(&[])?;
+    let registry = known.registry;
     // The scene's own methods are checked light by light; this one is wrong in any scene.
     if let Some(method) = args.method.as_deref().filter(|method| *method != "none") {
         registry
@@ -79,7 +79,7 @@ pub(crate) fn render(args: &RenderArgs) -> Result<ExitCode> {
     let scene = args.staging.load(&args.scene)?;
     let (scene, lights) = choose_light(scene, args.light)?;
     check_left_open(args, &scene)?;
-    let mut composer = Composer::new(shader_library()?, Target::webgpu());
+    let mut composer = Composer::new(library, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
     }

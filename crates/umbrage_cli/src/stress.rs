@@ -6,9 +6,7 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
     compose::{Composer, RonFile, Target, sweep_beside, write_whole},
-    methods::registry,
     render::Gpu,
-    shader_library,
 };
 use umbrage_measure::{
     cases::{self, Case, Limits},
@@ -19,6 +17,7 @@ use umbrage_measure::{
 use crate::{
     args::StressArgs,
     compare::chosen,
+    known::Known,
     output::{Bars, print, print_json},
 };
 
@@ -37,15 +36,16 @@ struct Skipped<'a> {
     reason: &'a str,
 }
 
-pub(crate) fn stress(args: &StressArgs) -> Result<ExitCode> {
-    let registry = registry()?;
+pub(crate) fn stress(args: &StressArgs, known: Known) -> Result<ExitCode> {
+    let library = known.library(&[])?;
+    let registry = known.registry;
     let methods = chosen(args.methods.as_deref(), &registry)?;
     let cases = chosen_cases(args.cases.as_deref())?;
     let limits = match &args.limits {
         Some(path) => Limits::read(RonFile::load(path)?)?,
         None => Limits::built_in()?,
     };
-    let mut composer = Composer::new(shader_library()?, Target::webgpu());
+    let mut composer = Composer::new(library, Target::webgpu());
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
     }

@@ -41,6 +41,18 @@ impl Value {
     }
 }
 
+macro_rules! from {
+    ($($kind:ident: $ty:ty),*) => {$(
+        impl From<$ty> for Value {
+            fn from(value: $ty) -> Self {
+                Self::$kind(value)
+            }
+        }
+    )*};
+}
+
+from!(F32: f32, U32: u32, Vec2: Vec2, Vec3: Vec3, Vec4: Vec4, Mat4: Mat4, Array: Vec<Value>, Struct: Constants);
+
 /// Values by the name of the member that reads them. The renderer places each at the offset that the
 /// linked shader gives it; a value that this permutation does not read is left out, and a member
 /// without a value is an error.
@@ -54,8 +66,8 @@ impl Constants {
     }
 
     /// These and `value` for the member `name`.
-    pub fn with(mut self, name: impl Into<String>, value: Value) -> Self {
-        self.0.push((name.into(), value));
+    pub fn with(mut self, name: impl Into<String>, value: impl Into<Value>) -> Self {
+        self.0.push((name.into(), value.into()));
         self
     }
 

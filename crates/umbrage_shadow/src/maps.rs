@@ -4,8 +4,8 @@ use glam::DMat4;
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
-    Bias, CasterPass, DepthTarget, Extent, Lens, Pass, SamplerDesc, ShadowPlan, TextureDesc,
-    TextureShape, Viewport,
+    Bias, CasterPass, Constants, DepthTarget, Extent, Lens, Pass, Reads, SamplerDesc, ScreenPass,
+    ShadowPlan, TextureDesc, TextureShape, Viewport,
 };
 
 /// A light's shadow maps, in one texture.
@@ -161,12 +161,36 @@ impl TextureDesc {
 }
 
 impl SamplerDesc {
+    /// A sampler that compares nothing.
+    pub fn new(name: &str, filter: FilterMode) -> Self {
+        Self {
+            name: name.to_owned(),
+            filter,
+            compare: None,
+        }
+    }
+
     /// The sampler with which the hardware compares reversed depths, and blends four comparisons.
     pub fn comparison() -> Self {
         Self {
             name: Maps::SAMPLER.to_owned(),
             filter: FilterMode::Linear,
             compare: Some(CompareFunction::GreaterEqual),
+        }
+    }
+}
+
+impl ScreenPass {
+    /// A pass of `shader` over `viewport` of the texture `target`, whose own uniform block has these `constants`.
+    pub fn new(shader: &str, target: &str, viewport: Viewport, constants: Constants) -> Self {
+        Self {
+            shader: shader.to_owned(),
+            target: target.to_owned(),
+            viewport,
+            reads: Reads {
+                constants,
+                ..Reads::default()
+            },
         }
     }
 }

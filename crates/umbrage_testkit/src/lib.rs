@@ -1,3 +1,4 @@
 //! What tests of shadows are held against.
 
+pub mod pictures;
 pub mod twins;

@@ -196,6 +196,14 @@ fn what_cannot_be_compared() {
         assert!(said.contains(expected), "{text}: {said}");
         assert!(said.contains("configs.ron:1:"), "{text}: {said}");
     }
+    write(&folder, "configs.ron", "[(name: \"a\", method: \"basic\")]");
+    write(&folder, "more.ron", "[(name: \"a\", method: \"basic\")]");
+    let [one, more] = ["configs.ron", "more.ron"].map(|name| path_in(&folder, name));
+    let said = refused(&[&scene, "--configs", &one, "standard", &more]);
+    assert!(
+        said.contains("two configurations called `a`") && said.contains("more.ron"),
+        "{said}"
+    );
     assert!(refused(&[&scene, &scene]).contains("two scenes are called `ball`"));
     write(
         &folder,

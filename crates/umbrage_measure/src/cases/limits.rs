@@ -22,6 +22,8 @@ use crate::study::Config;
 /// of its own. Each exception must be needed by each variant that has it.
 ///
 /// A variant of which most cases would say the same is tried in those alone that `only` has for it.
+///
+/// A table that `extends` the project's own adds variants to it, and limits and exceptions of these alone.
 #[derive(Clone, Debug)]
 pub struct Limits {
     file: RonFile,
@@ -32,6 +34,12 @@ pub struct Limits {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
+    /// Whether it adds to the project's own table.
+    #[serde(default)]
+    extends: bool,
+    /// How many of the variants are that table's.
+    #[serde(skip)]
+    extended: usize,
     variants: Vec<Config>,
     /// By variants, the one whose limits and exceptions are theirs too.
     #[serde(default, deserialize_with = "RonFile::unique")]
@@ -40,12 +48,12 @@ struct Table {
     #[serde(default, deserialize_with = "RonFile::unique")]
     only: BTreeMap<String, Only>,
     /// For all variants in all cases, wherever the case has the figure.
-    #[serde(deserialize_with = "RonFile::unique")]
+    #[serde(default, deserialize_with = "RonFile::unique")]
     every: Bounds,
     /// For one variant in all cases, where those for all are stricter.
     #[serde(default, deserialize_with = "RonFile::unique")]
     throughout: BTreeMap<String, OwnLimits>,
-    #[serde(deserialize_with = "RonFile::unique")]
+    #[serde(default, deserialize_with = "RonFile::unique")]
     cases: BTreeMap<CaseName, CaseLimits>,
 }
 
@@ -173,11 +181,16 @@ impl Limits {
     /// What is not RON or has fields that are not known; a figure, a case or a variant that there is not, or a case
     /// that is not in the table; two variants of one name, or one that is like itself or like one that is like
     /// another; a limit or an exception without a reason; an exception to what has no limit or
-    /// admits none; a variant's own limit that asks for no more than the one for all. With the place in the file.
+    /// admits none; a variant's own limit that asks for no more than the one for all; a table that extends the
+    /// project's own and says something of what that one has. With the place in the file.
     pub fn read(file: RonFile) -> Result<Self, Error> {
-        let table: Table = file.parse()?;
-        let checked = table.check();
-        checked.map_err(|(words, message)| file.fault(message, file.all(), &words))?;
+        let mut table: Table = file.parse()?;
+        let fault = |(words, message): Found<'_>| file.fault(message, file.all(), &words);
+        table.check_extent().map_err(fault)?;
+        if table.extends {
+            table = table.on(Self::built_in()?.table);
+        }
+        table.check().map_err(fault)?;
         Ok(Self { file, table })
     }
 
@@ -258,6 +271,71 @@ impl Table {
         entry.map(|(name, entry)| (name.as_str(), entry))
     }
 
+    /// Checks that what is said is what a table that extends another says, or one that stands alone.
+    fn check_extent(&self) -> Result<(), Found<'_>> {
+        if !self.extends {
+            return match self.every.is_empty() {
+                true => Err((
+                    Vec::new(),
+                    "the table holds no variant to anything; give it limits for `every` case, or have it add to the \
+                     project's own by `extends: true`"
+                        .to_owned(),
+                )),
+                false => Ok(()),
+            };
+        }
+        let of_all = "limits of all variants are the extended table's; give those of your own under `throughout`, or \
+                      under a case's `methods`";
+        if !self.every.is_empty() {
+            return Err((vec!["every"], of_all.to_owned()));
+        }
+        let own = |name: &String| self.variants.iter().any(|variant| variant.name == *name);
+        let theirs = |name: &str| {
+            format!(
+                "`{name}` is no variant of this table, and what holds of it is said in the extended one"
+            )
+        };
+        let named = [
+            ("throughout", self.throughout.keys().collect::<Vec<_>>()),
+            ("only", self.only.keys().collect()),
+            ("like", self.like.keys().collect()),
+        ];
+        for (field, names) in named {
+            if let Some(name) = names.into_iter().find(|name| !own(name)) {
+                return Err((vec![field, name], theirs(name)));
+            }
+        }
+        for (CaseName(case), limits) in &self.cases {
+            if !limits.any.is_empty() {
+                return Err((vec!["cases", case, "any"], of_all.to_owned()));
+            }
+            let mut names = limits.methods.keys().chain(limits.exceptions.keys());
+            if let Some(name) = names.find(|name| !own(name)) {
+                return Err((vec!["cases", case, name], theirs(name)));
+            }
+        }
+        Ok(())
+    }
+
+    /// `base` with what this table adds.
+    fn on(self, base: Self) -> Self {
+        let mut all = Self {
+            extends: true,
+            extended: base.variants.len(),
+            ..base
+        };
+        all.variants.extend(self.variants);
+        all.like.extend(self.like);
+        all.only.extend(self.only);
+        all.throughout.extend(self.throughout);
+        for (case, limits) in self.cases {
+            let known = all.cases.entry(case).or_default();
+            known.methods.extend(limits.methods);
+            known.exceptions.extend(limits.exceptions);
+        }
+        all
+    }
+
     /// Checks what no single entry shows.
     fn check(&self) -> Result<(), Found<'_>> {
         self.check_variants()?;
@@ -283,6 +361,7 @@ impl Table {
     /// The words that lead to a variant's name: methods may be called the same.
     fn words_to(&self, variant: usize) -> Vec<&str> {
         let names = self.variants.iter().take(variant + 1);
+        let names = names.skip(self.extended);
         let names = names.flat_map(|variant| ["name", &variant.name]);
         std::iter::once("variants").chain(names).collect()
     }

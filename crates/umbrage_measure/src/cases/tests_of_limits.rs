@@ -405,3 +405,58 @@ fn a_twin_must_have_its_figure() {
     };
     assert!(passed(Some(0.1)) && !passed(Some(0.2)) && !passed(None));
 }
+
+/// What a table adds to the project's own.
+#[test]
+fn a_table_may_extend_the_projects_own() {
+    let own = r#"( // "basic"
+  extends: true, variants: [(name: "soft", method: "basic")], like: { "soft": "basic" },
+  throughout: { "soft": { "leak": (most: 0.5, why: "w") } },
+  cases: { "grazing-85": (exceptions: { "soft": { "acne": "w" } }) },
+)"#;
+    let limits = Limits::read(RonFile::new("own.ron", own)).expect("a sound table");
+    let base = Limits::built_in().expect("a sound table");
+    assert_eq!(limits.variants().len(), base.variants().len() + 1);
+    assert!(limits.throughout().any(|own| own == ("soft", "leak")));
+    let throughout = base.throughout().count();
+    assert_eq!(limits.throughout().count(), throughout + 1);
+    let refused = |from: &str, to: &str| refusal(&own.replace(from, to));
+    let second = ", (name: \"pssm\", method: \"pssm\")],";
+    assert_eq!(
+        refused("], like", &format!("{second} like")),
+        "limits.ron:2:69: two variants are called `pssm`; rename one"
+    );
+    for (from, to, place) in [
+        ("like: { \"soft\"", "like: { \"pssm\"", "2:71"),
+        ("throughout: { \"soft\"", "throughout: { \"basic\"", "3:17"),
+        ("exceptions: { \"soft\"", "exceptions: { \"basic\"", "4:41"),
+    ] {
+        let said = refused(from, to);
+        let expected =
+            "is no variant of this table, and what holds of it is said in the extended one";
+        assert!(said.contains(expected), "{said}");
+        assert!(said.starts_with(&format!("limits.ron:{place}: ")), "{said}");
+    }
+    let general = "limits of all variants are the extended table's; give those of your own under `throughout`, or \
+                   under a case's `methods`";
+    let bound = r#""leak": (most: 0.5, why: "w")"#;
+    assert_eq!(
+        refused(
+            "extends: true,",
+            &format!("extends: true, every: {{ {bound} }},")
+        ),
+        format!("limits.ron:2:18: {general}")
+    );
+    assert_eq!(
+        refused(
+            "(exceptions: {",
+            &format!("(any: {{ {bound} }}, exceptions: {{")
+        ),
+        format!("limits.ron:4:27: {general}")
+    );
+    assert!(
+        refused("extends: true,", "").contains("give it limits for `every` case, or have it add"),
+        "{}",
+        refused("extends: true,", "")
+    );
+}

@@ -72,7 +72,7 @@
 use glam::{DVec2, Vec2};
 use umbrage_shadow::{
     Blend, CasterPass, ColorTarget, Constants, DepthSource, Frame, MAX_SPLITS, Map, Maps, Need,
-    Part, Pass, PlanError, Reads, SamplerDesc, ScreenPass, ShadowPlan, Value,
+    Part, Pass, PlanError, SamplerDesc, ScreenPass, ShadowPlan, Value,
 };
 use wgpu_types::{ColorWrites, Face, Features, FilterMode, TextureFormat};
 
@@ -210,25 +210,20 @@ fn resolve(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     plan.samplers.push(SamplerDesc::comparison());
     plan.passes.extend(maps.maps.iter().map(|map| {
         let margin = Margin::of(map, demand).value();
-        Pass::Screen(ScreenPass {
-            shader: "midpoint".to_owned(),
-            target: Maps::BINDING.to_owned(),
-            viewport: map.tile,
-            reads: Reads {
-                constants: Constants::new().with("margin", margin),
-                ..Reads::default()
-            },
-        })
+        let constants = Constants::new().with("margin", margin);
+        Pass::Screen(ScreenPass::new(
+            "midpoint",
+            Maps::BINDING,
+            map.tile,
+            constants,
+        ))
     }));
 }
 
 /// What resolves while sampling.
 fn sample(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
-    plan.samplers.push(SamplerDesc {
-        name: "faces_sampler".to_owned(),
-        filter: FilterMode::Nearest,
-        compare: None,
-    });
+    plan.samplers
+        .push(SamplerDesc::new("faces_sampler", FilterMode::Nearest));
     let [width, height] = maps.size;
     let tiles = maps.maps.first().map_or(Vec2::ONE, |map| {
         Vec2::new(

@@ -271,11 +271,8 @@ impl Job {
         plan.constants
             .extend(Constants::new().with("esm_tiles", tiles));
         if self.esm != Esm::Log {
-            plan.samplers.push(SamplerDesc {
-                name: "esm_sampler".to_owned(),
-                filter: FilterMode::Linear,
-                compare: None,
-            });
+            plan.samplers
+                .push(SamplerDesc::new("esm_sampler", FilterMode::Linear));
         }
         if self.esm == Esm::Full {
             plan.needs.push(Need {
@@ -321,12 +318,8 @@ impl Job {
             compute("esm_across", [run, 1], ROWS, means);
         }
         for map in maps.maps.iter().filter(|_| rounds) {
-            plan.passes.push(Pass::Screen(ScreenPass {
-                shader: "esm_round".to_owned(),
-                target: FILTERED.to_owned(),
-                viewport: map.tile,
-                reads: Reads::default(),
-            }));
+            let pass = ScreenPass::new("esm_round", FILTERED, map.tile, Constants::new());
+            plan.passes.push(Pass::Screen(pass));
         }
     }
 

@@ -154,11 +154,8 @@ impl Filter for Hpsm {
         let [across, blocks] = self.size(side, block);
         let size = [columns * across, rows * blocks];
         plan.textures.push(TextureDesc::d2(name, FORMAT, size));
-        plan.samplers.push(SamplerDesc {
-            name: "depths_sampler".to_owned(),
-            filter: FilterMode::Nearest,
-            compare: None,
-        });
+        plan.samplers
+            .push(SamplerDesc::new("depths_sampler", FilterMode::Nearest));
         let groups = blocks.div_ceil(self.blocks_a_group(width, block));
         plan.passes.push(Pass::Compute(ComputePass {
             shader: shader.to_owned(),
