@@ -8,8 +8,8 @@
 //! | module | what it is for |
 //! | --- | --- |
 //! | [`compose`] | packages of WESL modules, axes and keys, linking, validation, caches |
-//! | [`shadow`] | the trait [`ShadowMethod`](shadow::ShadowMethod), lights, views, plans: plain data |
-//! | [`methods`] | the methods that come with Umbrage |
+//! | [`shadow`] | what shadows are made of, [methods](shadow::ShadowMethod), [depth sources](shadow::DepthSource) and [filters](shadow::Filter); lights, views, maps, plans: plain data |
+//! | [`methods`] | the parts that come with Umbrage |
 //! | [`render`] | scenes, and a renderer that executes plans |
 //!
 //! # A method in two halves
@@ -118,9 +118,10 @@
 //! `shadow: (method: "canopy", settings: { "height": 0.8 })`.
 //!
 //! # Before you ship
-//! - **Check every permutation**: a manifest names your package beside Umbrage's and says which keys
-//!   exist; `umbrage check` validates them without a GPU, and tells a fault once, in your file, with the
-//!   smallest choice of axes that triggers it.
+//! - **Check every permutation**: `umbrage check --package DIR` validates all permutations of your package and of those that
+//!   it names, without a GPU, and tells a fault once, in your file, with the smallest choice of axes that triggers it.
+//! - **Take the command along**: ten lines give your crate all of `umbrage` with your parts in it (`umbrage_cli::main`), so
+//!   that they are rendered, compared with the truth and held to the hard cases like ours.
 //! - **Count what you fetch**: before each texture fetch of your method stands
 //!   `@if(COUNT_FETCHES) count_fetch();`, imported from `umbrage::common::fetches`. Whoever renders
 //!   [`What::Fetches`](render::What::Fetches) gets the counts; a fetch without one is refused, by its line.
@@ -129,8 +130,8 @@
 //! - **An axis or a setting?** What changes the shader is an axis, and costs a permutation; what ends in
 //!   a constant or a size is a setting, and costs nothing.
 //!
-//! A method with a map, passes and filters to learn from is [`methods::basic`]; how the trait came to
-//! have its shape is told in [`shadow`].
+//! A method with maps to learn from is [`methods::methods::basic`]; `examples/vsm` is a filter of a crate of its own. How the
+//! traits came to have their shape is told in [`shadow`].
 
 /// Vectors and matrices, as all of Umbrage has them.
 pub use glam;
