@@ -10,7 +10,8 @@
 //! | [`compose`] | packages of WESL modules, axes and keys, linking, validation, caches |
 //! | [`shadow`] | what shadows are made of, [methods](shadow::ShadowMethod), [depth sources](shadow::DepthSource) and [filters](shadow::Filter); lights, views, maps, plans: plain data |
 //! | [`methods`] | the parts that come with Umbrage |
-//! | [`render`] | scenes, and a renderer that executes plans |
+//! | [`execute`] | plans on a device, in an encoder, with meshes of your engine's own |
+//! | [`render`] | scenes, and a test bed that renders them |
 //!
 //! # A method in two halves
 //! Our method is a canopy: whatever lies below a height is in shadow. It draws no map, so that nothing
@@ -145,6 +146,7 @@ pub use umbrage_methods as methods;
 pub use umbrage_render as render;
 pub use umbrage_shader_lib::package as shader_package;
 pub use umbrage_shadow as shadow;
+pub use umbrage_wgpu as execute;
 
 /// Umbrage's own shaders, as a library to compose from: nothing is read from disk.
 ///

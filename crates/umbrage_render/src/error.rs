@@ -3,8 +3,9 @@
 use std::{io, path::PathBuf};
 
 use umbrage_shadow::PlanError;
+use umbrage_wgpu::ShadowError;
 
-use crate::{GpuError, renderer::MOST_SHAFT_STEPS, scene::ShadowError};
+use crate::{GpuError, renderer::MOST_SHAFT_STEPS};
 
 /// Why a scene could not be rendered: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -82,52 +83,9 @@ pub enum RenderError {
         /// What is wrong.
         source: PlanError,
     },
-    /// A method could not plan.
-    #[error("light `{light}`: {source}")]
-    Plan {
-        /// The light.
-        light: String,
-        /// Why.
-        source: PlanError,
-    },
-    /// A method needs what the device does not have.
-    #[error(
-        "light `{light}`, method `{method}`: what is chosen needs {features}, which {adapter} does not have; choose {instead}"
-    )]
-    Missing {
-        /// The light.
-        light: String,
-        /// The method.
-        method: String,
-        /// The device.
-        adapter: String,
-        /// Names of features, as WebGPU has them.
-        features: String,
-        /// What to choose in its place.
-        instead: String,
-    },
-    /// A method's plan asks for what cannot be done: the method is at fault.
-    #[error(
-        "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"
-    )]
-    BadPlan {
-        /// The method.
-        method: String,
-        /// What is wrong.
-        problem: String,
-    },
-    /// A permutation reads what the renderer or a method does not give it.
-    #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]
-    Binding {
-        /// The permutation.
-        key: String,
-        /// The binding.
-        binding: String,
-        /// The module that declares it.
-        module: String,
-        /// What is wrong.
-        problem: String,
-    },
+    /// A light's shadow could not be had, or a shader reads what nobody gives it.
+    #[error(transparent)]
+    Execute(#[from] umbrage_wgpu::Error),
     /// A mesh's arrays do not fit each other.
     #[error("the mesh of object `{object}` cannot be drawn: {problem}")]
     Mesh {
@@ -144,19 +102,4 @@ pub enum RenderError {
         /// Why.
         source: io::Error,
     },
-}
-
-impl RenderError {
-    pub(crate) fn binding(
-        key: &umbrage_compose::Key,
-        binding: &umbrage_compose::Binding,
-        problem: impl ToString,
-    ) -> Self {
-        Self::Binding {
-            key: key.to_string(),
-            binding: binding.name.clone(),
-            module: binding.module.clone(),
-            problem: problem.to_string(),
-        }
-    }
 }

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use pollster::block_on;
 use umbrage_compose::{Limit, Target};
+use umbrage_wgpu::{TooLarge, device};
 
 /// A device to render with, without a window.
 pub struct Gpu {
@@ -42,15 +43,8 @@ pub enum GpuError {
     #[error("the device refused the work: {0}")]
     Refused(String),
     /// Something is larger than the device allows.
-    #[error("{what} has {size}, but the device allows from 1 to {limit}; change its size")]
-    TooLarge {
-        /// What.
-        what: String,
-        /// Its size, with the unit.
-        size: String,
-        /// The most allowed.
-        limit: u64,
-    },
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
 }
 
 impl Gpu {
@@ -77,6 +71,14 @@ impl Gpu {
                 adapter: name.clone(),
                 reason: error.to_string(),
             })?;
+        Ok(Self::from_wgpu(device, queue, name))
+    }
+
+    /// A device that exists already; `adapter` is its adapter's name, for reports.
+    ///
+    /// Errors of the device that no scope catches are told by the next [render](crate::Renderer::render): this takes the
+    /// place of a handler that the device may have had.
+    pub fn from_wgpu(device: wgpu::Device, queue: wgpu::Queue, adapter: impl Into<String>) -> Self {
         // Left alone, wgpu panics on an error that no scope catches.
         let stray = Arc::new(Mutex::new(Vec::new()));
         let list = Arc::clone(&stray);
@@ -86,13 +88,13 @@ impl Gpu {
                 .push(error.to_string());
         }));
         let timed = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-        Ok(Self {
+        Self {
             timestamp_period: timed.then(|| queue.get_timestamp_period()),
             device,
             queue,
-            adapter: name,
+            adapter: adapter.into(),
             stray,
-        })
+        }
     }
 
     /// The target `vulkan`: all that the machine's Vulkan adapter offers through wgpu, whether a device
@@ -199,36 +201,7 @@ impl Gpu {
         usage: wgpu::BufferUsages,
         bytes: &[u8],
     ) -> Result<wgpu::Buffer, GpuError> {
-        let limits = self.device.limits();
-        let limit = if usage.contains(wgpu::BufferUsages::UNIFORM) {
-            limits.max_uniform_buffer_binding_size
-        } else if usage.contains(wgpu::BufferUsages::STORAGE) {
-            limits.max_storage_buffer_binding_size
-        } else {
-            limits.max_buffer_size
-        };
-        // Copies come in words of four bytes.
-        let mut bytes = std::borrow::Cow::Borrowed(bytes);
-        if bytes.is_empty() || bytes.len() % 4 != 0 {
-            let padded = bytes.len().div_ceil(4).max(1) * 4;
-            bytes.to_mut().resize(padded, 0);
-        }
-        let size = bytes.len() as u64;
-        if size > limit {
-            return Err(GpuError::TooLarge {
-                what: what.to_owned(),
-                size: format!("{size} bytes"),
-                limit,
-            });
-        }
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(what),
-            size,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, &bytes);
-        Ok(buffer)
+        Ok(device::buffer(self.parts(), what, usage, bytes)?)
     }
 
     /// A texture; `what` names it in an error.
@@ -240,24 +213,13 @@ impl Gpu {
         format: wgpu::TextureFormat,
         usage: wgpu::TextureUsages,
     ) -> Result<wgpu::Texture, GpuError> {
-        let limit = self.device.limits().max_texture_dimension_2d;
-        if size.width == 0 || size.height == 0 || size.width > limit || size.height > limit {
-            return Err(GpuError::TooLarge {
-                what: what.to_owned(),
-                size: format!("{} by {} texels", size.width, size.height),
-                limit: limit.into(),
-            });
-        }
-        Ok(self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(what),
-            size,
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        }))
+        let made = device::texture(&self.device, what, size, levels, format, usage);
+        Ok(made?)
+    }
+
+    /// The device and its queue.
+    pub(crate) fn parts(&self) -> umbrage_wgpu::Gpu<'_> {
+        (&self.device, &self.queue)
     }
 }
 
@@ -367,6 +329,15 @@ mod tests {
             assert_eq!(value, Some(&(*limit, limit.webgpu())), "{}", limit.name());
         }
         assert_eq!(told.len(), Limit::ALL.len());
+    }
+
+    #[test]
+    fn a_device_may_be_somebody_elses() {
+        let theirs = Gpu::new().expect("an adapter");
+        let ours = Gpu::from_wgpu(theirs.device.clone(), theirs.queue.clone(), "theirs");
+        assert_eq!(ours.adapter(), "theirs");
+        assert_eq!(ours.has_timestamps(), theirs.has_timestamps());
+        assert_eq!(ours.check(|| 1), Ok(1));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Renders shadowed scenes through wgpu: the only library crate that drives a device.
+//! Renders shadowed scenes through wgpu: a test bed on top of [`umbrage_wgpu`], which executes plans for any engine.
 //!
 //! A [`Scene`] is plain data in f64, loaded from a scene file or a glTF model. A [`Renderer`] turns
 //! it into a [`Rendered`] picture, or into [what] else a pixel is asked for: the bare shadow term of
@@ -46,17 +46,16 @@
 mod error;
 mod gpu;
 mod normals;
-mod pack;
 mod picture;
 mod renderer;
 mod scene;
 
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
-pub use pack::{PackError, pack, pack_buffer};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
-    Camera, CheckedShadow, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene,
-    SceneError, SceneLight, Shadow, ShadowError, Staging, Texture, Wrap, look_along,
+    Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
+    Staging, Texture, Wrap, look_along,
 };
+pub use umbrage_wgpu::{CheckedShadow, PackError, Shadow, ShadowError, pack, pack_buffer};

@@ -123,6 +123,8 @@ pub struct Report {
     pub caster_passes: u32,
     /// Passes that compute something from shadow maps, full-screen ones and compute shaders.
     pub derived_passes: u32,
+    /// How many passes of plans were not run, as what they would fill stands there from a picture before.
+    pub kept_passes: u32,
     /// Those of the draw calls that are in caster passes.
     pub caster_draws: u32,
     /// Texels in the textures of shadow methods.

@@ -36,6 +36,7 @@ fn options(path: Path, axes: &[(&str, &str)]) -> RenderOptions {
         method: Some("pssm".to_owned()),
         axes: axes.collect(),
         path,
+        fresh: true,
         ..RenderOptions::default()
     }
 }

@@ -96,6 +96,8 @@ pub(crate) fn options(
         axes: axes
             .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
             .collect(),
+        // Shadow maps are part of the cost.
+        fresh: true,
         timed: true,
         ..RenderOptions::default()
     }

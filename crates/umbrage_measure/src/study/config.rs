@@ -187,6 +187,8 @@ impl Config {
             axes: self.axes.clone(),
             settings: self.settings.clone(),
             path: self.path,
+            // What a method costs where all that casts moves.
+            fresh: true,
             ..RenderOptions::default()
         }
     }

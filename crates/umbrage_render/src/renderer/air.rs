@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use umbrage_shadow::{Aabb, Constants, Field, LightKind, Value, View};
+use umbrage_wgpu::{ColorState, DrawState, unfiltered};
 
 use super::{
     RenderOptions, Renderer, Shot,
@@ -10,8 +11,6 @@ use super::{
     draw::{FrameState, LightInputs, PassInputs, Term, record},
     lights::LightSetup,
     passes::NamedPass,
-    pipelines::{ColorState, DrawState},
-    resources::unfiltered,
     target::Target,
 };
 use crate::{RenderError, scene::Medium};

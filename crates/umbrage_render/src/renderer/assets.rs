@@ -1,6 +1,7 @@
 //! Meshes and pictures on the device, kept while the scene keeps them.
 
 use std::{
+    any::Any,
     collections::HashMap,
     ops::Range,
     sync::{Arc, Weak},
@@ -55,6 +56,9 @@ pub(super) struct Assets {
     /// Also by how they are drawn.
     meshes: HashMap<(usize, Vertices), (Weak<Mesh>, Arc<GpuMesh>)>,
     images: HashMap<usize, (Weak<Image>, wgpu::TextureView)>,
+    /// Numbers of what scenes hold, none of which is given twice.
+    numbers: HashMap<usize, (Weak<dyn Any + Send + Sync>, u64)>,
+    next_number: u64,
 }
 
 impl Assets {
@@ -64,6 +68,20 @@ impl Assets {
             .retain(|_, (source, _)| source.strong_count() > 0);
         self.images
             .retain(|_, (source, _)| source.strong_count() > 0);
+        self.numbers
+            .retain(|_, (source, _)| source.strong_count() > 0);
+    }
+
+    /// A number that nothing else has, or ever had.
+    pub(super) fn number<T: Any + Send + Sync>(&mut self, source: &Arc<T>) -> u64 {
+        if let Some((_, number)) = self.numbers.get(&address(source)) {
+            return *number;
+        }
+        self.next_number += 1;
+        let held: Weak<dyn Any + Send + Sync> = Arc::downgrade(source) as _;
+        let entry = (held, self.next_number);
+        self.numbers.insert(address(source), entry);
+        self.next_number
     }
 
     pub(super) fn mesh(
@@ -109,6 +127,39 @@ impl Assets {
         let images = self.images.values().map(|(_, view)| view.clone());
         (meshes.collect(), images.collect())
     }
+}
+
+/// The buffers that an object's mesh has: one for each attribute, by its location.
+pub(super) fn layouts(object: &Object) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Float32x4
+    ];
+    let mesh = &object.mesh;
+    let has = [
+        !mesh.positions.is_empty(),
+        !mesh.normals.is_empty(),
+        !mesh.uvs.is_empty(),
+        !mesh.colors.is_empty(),
+    ];
+    let mut layouts = Vec::new();
+    for (location, _) in has.iter().enumerate().filter(|(_, has)| **has) {
+        // Each attribute lies at the beginning of a buffer of its own.
+        const OWN: [wgpu::VertexAttribute; 4] = {
+            let mut own = ATTRIBUTES;
+            let mut i = 0;
+            while i < own.len() {
+                own[i].offset = 0;
+                i += 1;
+            }
+            own
+        };
+        layouts.push(wgpu::VertexBufferLayout {
+            array_stride: OWN[location].format.size(),
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: std::slice::from_ref(&OWN[location]),
+        });
+    }
+    layouts
 }
 
 /// A number, as a pointer would keep a renderer on one thread.

@@ -5,16 +5,17 @@ use std::sync::Arc;
 use umbrage_compose::{Binding, BindingKind, Key};
 use umbrage_shadow::{Constants, Value};
 
+use umbrage_wgpu::{Error, Program, Resource};
+
 use super::{
     Renderer,
     air::SEEN_DEPTH,
-    assets,
+    assets::{self, Assets},
     draw::{FrameState, PassInputs},
-    pipelines::Program,
     seen::{SEEN_DEPTHS, SEEN_PLANES},
 };
 use crate::{
-    RenderError, pack, pack_buffer,
+    Gpu, RenderError,
     scene::{Image, Object},
 };
 
@@ -26,14 +27,9 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         program: &Program,
     ) -> Result<Vec<Option<wgpu::BindGroup>>, RenderError> {
-        let groups = program.groups.iter().enumerate();
+        let groups = 0..program.groups.len();
         groups
-            .map(|(group, layout)| match layout {
-                Some(layout) => self
-                    .bind(frame, inputs, program, (group, layout), None)
-                    .map(Some),
-                None => Ok(None),
-            })
+            .map(|group| self.bind(frame, inputs, program, group, None))
             .collect()
     }
 
@@ -42,37 +38,23 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         inputs: &PassInputs<'_>,
         program: &Program,
-        (group, layout): (usize, &wgpu::BindGroupLayout),
+        group: usize,
         object: Option<&Object>,
-    ) -> Result<wgpu::BindGroup, RenderError> {
-        let mut resources = Vec::new();
-        for binding in program.bindings(group) {
-            let key = &program.permutation.key;
-            let resource = match group {
-                LIGHT => self.light_resource(frame, inputs, key, binding)?,
-                MATERIAL => self.material_resource(object, key, binding)?,
-                _ => self.frame_resource(frame, inputs, key, binding)?,
-            };
-            resources.push((binding.binding, resource));
+    ) -> Result<Option<wgpu::BindGroup>, RenderError> {
+        let gpu = Arc::clone(&self.gpu);
+        let key = &program.permutation.key;
+        program.bind(&gpu.device, group, |binding| match group {
+            LIGHT => self.light_resource(frame, inputs, key, binding),
+            MATERIAL => self.stock().material(&gpu, object, key, binding),
+            _ => self.frame_resource(frame, inputs, key, binding),
+        })
+    }
+
+    fn stock(&mut self) -> Stock<'_> {
+        Stock {
+            assets: &mut self.assets,
+            white: &self.white,
         }
-        let entries: Vec<_> = resources
-            .iter()
-            .map(|(binding, resource)| wgpu::BindGroupEntry {
-                binding: *binding,
-                resource: match resource {
-                    Resource::Buffer(buffer) => buffer.as_entire_binding(),
-                    Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
-                    Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
-                },
-            })
-            .collect();
-        let label = Some("bindings");
-        let descriptor = wgpu::BindGroupDescriptor {
-            label,
-            layout,
-            entries: &entries,
-        };
-        Ok(self.gpu.device.create_bind_group(&descriptor))
     }
 
     fn uniform(
@@ -81,21 +63,12 @@ impl Renderer {
         binding: &Binding,
         constants: &Constants,
     ) -> Result<Resource, RenderError> {
-        let BindingKind::Uniform(layout) = &binding.kind else {
-            return Err(RenderError::binding(
-                key,
-                binding,
-                "a uniform buffer was expected",
-            ));
-        };
-        let bytes =
-            pack(layout, constants).map_err(|error| RenderError::binding(key, binding, error))?;
-        let usage = wgpu::BufferUsages::UNIFORM;
-        Ok(Resource::Buffer(self.gpu.buffer(
-            &binding.name,
-            usage,
-            &bytes,
-        )?))
+        Ok(Resource::uniform(
+            self.gpu.parts(),
+            key,
+            binding,
+            constants,
+        )?)
     }
 
     /// The buffer of a light's shadow method, made once for each layout that is read.
@@ -107,23 +80,13 @@ impl Renderer {
         binding: &Binding,
         value: &Value,
     ) -> Result<Resource, RenderError> {
-        let BindingKind::Storage {
-            layout, run_time, ..
-        } = &binding.kind
-        else {
-            let problem = "a storage buffer was expected";
-            return Err(RenderError::binding(key, binding, problem));
-        };
         let id = (light, binding.name.clone(), binding.kind.clone());
         if let Some((_, known)) = frame.buffers.iter().find(|(known, _)| *known == id) {
-            return Ok(Resource::Buffer(known.clone()));
+            return Ok(known.clone());
         }
-        let bytes = pack_buffer(&binding.name, (layout, *run_time), value)
-            .map_err(|error| RenderError::binding(key, binding, error))?;
-        let usage = wgpu::BufferUsages::STORAGE;
-        let buffer = self.gpu.buffer(&binding.name, usage, &bytes)?;
-        frame.buffers.push((id, buffer.clone()));
-        Ok(Resource::Buffer(buffer))
+        let made = Resource::storage(self.gpu.parts(), key, binding, value)?;
+        frame.buffers.push((id, made.clone()));
+        Ok(made)
     }
 
     fn frame_resource(
@@ -135,9 +98,11 @@ impl Renderer {
     ) -> Result<Resource, RenderError> {
         match (binding.name.as_str(), &binding.kind) {
             ("frame", _) => {
-                let constants = Constants::new()
-                    .with("view_proj", Value::Mat4(inputs.view_proj))
-                    .with("ambient", Value::Vec3(inputs.ambient));
+                let constants = Constants::new().with("view_proj", inputs.view_proj);
+                self.uniform(key, binding, &constants)
+            }
+            ("ambient", _) => {
+                let constants = Constants::new().with("radiance", inputs.ambient);
                 self.uniform(key, binding, &constants)
             }
             ("rays", _) => self.uniform(key, binding, &frame.rays),
@@ -159,23 +124,11 @@ impl Renderer {
                 let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(depths))
             }
-            ("instances", BindingKind::Storage { layout, .. }) => {
-                if let Some((_, known)) = frame.instances.iter().find(|(l, _)| l == layout) {
-                    return Ok(Resource::Buffer(known.clone()));
-                }
-                let bytes = frame
-                    .objects
-                    .instances(layout)
-                    .map_err(|error| RenderError::binding(key, binding, error))?;
-                let usage = wgpu::BufferUsages::STORAGE;
-                let buffer = self.gpu.buffer("the list of objects", usage, &bytes)?;
-                frame.instances.push((layout.clone(), buffer.clone()));
-                Ok(Resource::Buffer(buffer))
-            }
+            ("instances", _) => frame.instances(&self.gpu, key, binding),
             _ => Err(unknown(
                 key,
                 binding,
-                "what the frame gives, `frame`, `rays`, `instances`, to a mask `seen_planes`, and to air \
+                "what the frame gives, `frame`, `ambient`, `rays`, `instances`, to a mask `seen_planes`, and to air \
                  `seen_depth`",
             )),
         }
@@ -197,7 +150,8 @@ impl Renderer {
             ("cookie_texture", _) => {
                 let cookie = light.setup.source.cookie.clone();
                 let what = format!("the cookie of light `{}`", light.setup.source.name);
-                Ok(Resource::Texture(self.image(&what, cookie)?))
+                let gpu = Arc::clone(&self.gpu);
+                Ok(Resource::Texture(self.stock().image(&gpu, &what, cookie)?))
             }
             ("cookie_sampler", _) => Ok(Resource::Sampler(assets::sampler(&self.gpu, None))),
             (name, kind) => {
@@ -226,9 +180,20 @@ impl Renderer {
             }
         }
     }
+}
 
-    fn material_resource(
+/// Where objects' meshes and pictures come from.
+pub(super) struct Stock<'a> {
+    pub(super) assets: &'a mut Assets,
+    /// Stands in for a texture that an object does not have.
+    pub(super) white: &'a Arc<Image>,
+}
+
+impl Stock<'_> {
+    /// What an object's material gives for `binding`.
+    pub(super) fn material(
         &mut self,
+        gpu: &Gpu,
         object: Option<&Object>,
         key: &Key,
         binding: &Binding,
@@ -240,21 +205,18 @@ impl Renderer {
         match binding.name.as_str() {
             "material" => {
                 let constants = Constants::new()
-                    .with("base_color", Value::Vec4(material.base_color))
-                    .with("roughness", Value::F32(material.roughness))
-                    .with("metallic", Value::F32(material.metallic))
-                    .with(
-                        "alpha_cutoff",
-                        Value::F32(material.alpha_cutoff.unwrap_or_default()),
-                    );
-                self.uniform(key, binding, &constants)
+                    .with("base_color", material.base_color)
+                    .with("roughness", material.roughness)
+                    .with("metallic", material.metallic)
+                    .with("alpha_cutoff", material.alpha_cutoff.unwrap_or_default());
+                Ok(Resource::uniform(gpu.parts(), key, binding, &constants)?)
             }
             "base_color_texture" => {
                 let what = format!("the texture of object `{}`", object.name);
                 let image = texture.map(|texture| Arc::clone(&texture.image));
-                Ok(Resource::Texture(self.image(&what, image)?))
+                Ok(Resource::Texture(self.image(gpu, &what, image)?))
             }
-            "base_color_sampler" => Ok(Resource::Sampler(assets::sampler(&self.gpu, texture))),
+            "base_color_sampler" => Ok(Resource::Sampler(assets::sampler(gpu, texture))),
             _ => Err(unknown(key, binding, "what a material gives")),
         }
     }
@@ -262,11 +224,36 @@ impl Renderer {
     /// The picture on the device; white where an axis was forced on without one.
     fn image(
         &mut self,
+        gpu: &Gpu,
         what: &str,
         image: Option<Arc<Image>>,
     ) -> Result<wgpu::TextureView, RenderError> {
-        let image = image.unwrap_or_else(|| Arc::clone(&self.white));
-        self.assets.image(&self.gpu, what, &image)
+        let image = image.unwrap_or_else(|| Arc::clone(self.white));
+        self.assets.image(gpu, what, &image)
+    }
+}
+
+impl FrameState<'_> {
+    /// The array of the frame's objects, laid out as `binding` reads it.
+    pub(super) fn instances(
+        &mut self,
+        gpu: &Gpu,
+        key: &Key,
+        binding: &Binding,
+    ) -> Result<Resource, RenderError> {
+        let BindingKind::Storage { layout, .. } = &binding.kind else {
+            let problem = "a storage buffer was expected";
+            return Err(Error::binding(key, binding, problem).into());
+        };
+        if let Some((_, known)) = self.instances.iter().find(|(l, _)| l == layout) {
+            return Ok(Resource::Buffer(known.clone()));
+        }
+        let bytes = self.objects.instances(layout);
+        let bytes = bytes.map_err(|error| Error::binding(key, binding, error))?;
+        let usage = wgpu::BufferUsages::STORAGE;
+        let buffer = gpu.buffer("the list of objects", usage, &bytes)?;
+        self.instances.push((layout.clone(), buffer.clone()));
+        Ok(Resource::Buffer(buffer))
     }
 }
 
@@ -274,13 +261,7 @@ impl Renderer {
 const LIGHT: usize = 1;
 pub(super) const MATERIAL: usize = 2;
 
-enum Resource {
-    Buffer(wgpu::Buffer),
-    Texture(wgpu::TextureView),
-    Sampler(wgpu::Sampler),
-}
-
 fn unknown(key: &Key, binding: &Binding, known: &str) -> RenderError {
     let problem = format!("the shader reads it, but it is none of {known}");
-    RenderError::binding(key, binding, problem)
+    Error::binding(key, binding, problem).into()
 }

@@ -4,6 +4,7 @@ use std::{collections::BTreeSet, time::Instant};
 
 use glam::Vec3;
 use umbrage_shadow::Constants;
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources, unfiltered};
 
 use super::{
     Renderer, Shot,
@@ -12,8 +13,6 @@ use super::{
     draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
     lights::{self, LightSetup},
     passes::NamedPass,
-    pipelines::{ColorState, DrawState},
-    resources::{ShadowResources, unfiltered},
     seen::PLANE,
     target::{DEPTH, Target},
 };

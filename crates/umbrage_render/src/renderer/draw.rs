@@ -7,18 +7,17 @@ use std::{
 };
 
 use glam::{Mat4, Vec3};
-use umbrage_compose::{BindingKind, Key, Layout, Permutation};
+use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose, Stage};
 use umbrage_shadow::Constants;
+use umbrage_wgpu::{DrawState, Pipeline, Resource, ShadowResources, reads_facing};
 
 use super::{
     RenderOptions, Renderer,
-    assets::{GpuMesh, Vertices},
+    assets::{GpuMesh, Vertices, layouts},
     bind::MATERIAL,
     lights::{self, LightSetup},
     objects::{Objects, Run},
     passes::NamedPass,
-    pipelines::{DrawState, Pipeline, reads_facing},
-    resources::{ShadowResources, TextureId},
     timer::Timer,
 };
 use crate::{
@@ -33,8 +32,8 @@ pub(super) struct FrameState<'a> {
     pub(super) encoder: wgpu::CommandEncoder,
     pub(super) report: Report,
     pub(super) timer: Timer,
-    /// The shadow methods' textures that this frame uses.
-    pub(super) shadow_maps: BTreeSet<TextureId>,
+    /// The lights whose shadow maps this frame uses, by their numbers.
+    pub(super) shadow_maps: BTreeSet<u64>,
     /// What is seen, where it was laid down.
     pub(super) planes: Option<wgpu::TextureView>,
     /// The depth of what is seen, once it is there for the air.
@@ -46,13 +45,13 @@ pub(super) struct FrameState<'a> {
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// Whether the camera's rays are parallel.
-    orthographic: bool,
+    pub(super) orthographic: bool,
     /// By the full key, so that each is asked for once.
     composed: BTreeMap<Key, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
     pub(super) instances: Vec<(Layout, wgpu::Buffer)>,
     /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
-    pub(super) buffers: Vec<((usize, String, BindingKind), wgpu::Buffer)>,
+    pub(super) buffers: Vec<((usize, String, BindingKind), Resource)>,
 }
 
 /// What all draws of one pass share.
@@ -94,6 +93,8 @@ pub(super) enum Term<'a> {
 /// A draw, ready to be recorded.
 pub(super) struct Command {
     pipeline: Arc<Pipeline>,
+    /// The location that each vertex buffer is for.
+    attributes: Vec<u32>,
     groups: Vec<Option<wgpu::BindGroup>>,
     /// None for one triangle around the picture.
     mesh: Option<Arc<GpuMesh>>,
@@ -129,6 +130,30 @@ impl<'a> FrameState<'a> {
     }
 }
 
+impl FrameState<'_> {
+    /// Reports a permutation that was needed: for an object (or what stands for one), and for a light where it was for one.
+    pub(super) fn note(
+        &mut self,
+        composed: &Composed,
+        purpose: Purpose,
+        (object, light): (&str, Option<&str>),
+    ) {
+        let key = &composed.permutation.key;
+        let mut reported = self.report.permutations.iter();
+        if reported.any(|used| used.key == *key) {
+            return;
+        }
+        self.report.warnings.extend(composed.warnings.clone());
+        self.report.permutations.push(PermutationUse {
+            key: key.clone(),
+            purpose,
+            source: composed.source,
+            object: object.to_owned(),
+            light: light.map(str::to_owned),
+        });
+    }
+}
+
 /// Records `commands`.
 pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
     for command in commands {
@@ -142,7 +167,7 @@ pub(super) fn record(pass: &mut wgpu::RenderPass<'_>, commands: &[Command]) {
             pass.draw(0..3, command.instances.clone());
             continue;
         };
-        for (slot, location) in command.pipeline.attributes.iter().enumerate() {
+        for (slot, location) in command.attributes.iter().enumerate() {
             if let Some(buffer) = mesh.attribute(*location) {
                 pass.set_vertex_buffer(slot as u32, buffer.slice(..));
             }
@@ -173,7 +198,8 @@ impl Renderer {
                 continue;
             }
             let permutation = self.compose(frame, inputs, &object.name, Some(object))?;
-            let pipeline = self.pipeline(permutation, &inputs.state, mirrored)?;
+            let (vertices, attributes) = read(&permutation, layouts(object));
+            let pipeline = self.pipeline(&permutation, &inputs.state, mirrored, &vertices)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.program.groups.len() {
                 let id = Arc::as_ptr(&pipeline);
@@ -182,16 +208,9 @@ impl Renderer {
                     MATERIAL => materials.get(&(id, material)),
                     _ => shared.get(&(id, group)),
                 };
-                let bound = match (known, &pipeline.program.groups[group]) {
-                    (Some(bound), _) => Some(bound.clone()),
-                    (None, None) => None,
-                    (None, Some(layout)) => Some(self.bind(
-                        frame,
-                        inputs,
-                        &pipeline.program,
-                        (group, layout),
-                        Some(object),
-                    )?),
+                let bound = match known {
+                    Some(bound) => Some(bound.clone()),
+                    None => self.bind(frame, inputs, &pipeline.program, group, Some(object))?,
                 };
                 if let Some(bound) = &bound {
                     match group {
@@ -204,6 +223,7 @@ impl Renderer {
             let mesh = self.assets.mesh(&self.gpu, object, inputs.vertices)?;
             commands.push(Command {
                 pipeline,
+                attributes,
                 groups,
                 mesh: Some(mesh),
                 instances,
@@ -222,11 +242,12 @@ impl Renderer {
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
         let permutation = self.compose(frame, inputs, cause, None)?;
-        let pipeline = self.pipeline(permutation, &inputs.state, false)?;
+        let pipeline = self.pipeline(&permutation, &inputs.state, false, &[])?;
         let groups = self.bind_all(frame, inputs, &pipeline.program)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
+            attributes: Vec::new(),
             groups,
             mesh: None,
             instances: 0..1,
@@ -250,39 +271,42 @@ impl Renderer {
             return Ok(Arc::clone(known));
         }
         let composed = self.composer.compose(&key)?;
-        frame.report.warnings.extend(composed.warnings);
-        let permutation = composed.permutation;
-        let reported = |used: &PermutationUse| used.key == permutation.key;
-        if !frame.report.permutations.iter().any(reported) {
-            frame.report.permutations.push(PermutationUse {
-                key: permutation.key.clone(),
-                purpose: inputs.pass.purpose,
-                source: composed.source,
-                object: cause.to_owned(),
-                light: inputs.cause.map(str::to_owned),
-            });
-        }
-        frame.composed.insert(key, Arc::clone(&permutation));
-        Ok(permutation)
+        frame.note(&composed, inputs.pass.purpose, (cause, inputs.cause));
+        frame
+            .composed
+            .insert(key, Arc::clone(&composed.permutation));
+        Ok(composed.permutation)
     }
 
     fn pipeline(
         &mut self,
-        permutation: Arc<Permutation>,
+        permutation: &Arc<Permutation>,
         state: &DrawState,
         mirrored: bool,
+        vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Arc<Pipeline>, RenderError> {
         let mut state = state.clone();
         // Where it makes no difference which side is the front, one pipeline serves both.
-        if mirrored && (state.cull.is_some() || reads_facing(&permutation)) {
+        if mirrored && (state.cull.is_some() || reads_facing(permutation)) {
             state.front = wgpu::FrontFace::Cw;
         }
-        let id = (permutation.key.clone(), state);
-        if let Some(known) = self.pipelines.get(&id) {
-            return Ok(Arc::clone(known));
-        }
-        let pipeline = Arc::new(Pipeline::new(&self.gpu, permutation, &id.1)?);
-        self.pipelines.insert(id, Arc::clone(&pipeline));
-        Ok(pipeline)
+        Ok(self.executor.pipeline(permutation, state, vertices)?)
     }
+}
+
+/// Those of a mesh's buffers that `permutation` reads, and the location that each is for.
+fn read<'a>(
+    permutation: &Permutation,
+    layouts: Vec<wgpu::VertexBufferLayout<'a>>,
+) -> (Vec<wgpu::VertexBufferLayout<'a>>, Vec<u32>) {
+    let entry = permutation.reflection.entry_point(Stage::Vertex);
+    let inputs = entry.map_or(&[][..], |entry| &entry.inputs);
+    let own = layouts.into_iter().filter_map(|layout| {
+        let location = layout.attributes.first()?.shader_location;
+        let mut inputs = inputs.iter();
+        inputs
+            .any(|input| input.location == location)
+            .then_some((layout, location))
+    });
+    own.unzip()
 }

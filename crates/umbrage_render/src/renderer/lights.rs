@@ -6,11 +6,12 @@ use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
 use umbrage_hints::ending;
 use umbrage_shadow::{Choice, Constants, Light, LightKind, Registry, Support, Value};
+use umbrage_wgpu::{CheckedShadow, Shadow, check_value};
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
     RenderError,
-    scene::{CheckedShadow, Object, Scene, SceneLight, Shadow, check_value, look_along},
+    scene::{Object, Scene, SceneLight, look_along},
 };
 
 /// A light with its method, both checked.
@@ -174,25 +175,9 @@ pub(super) fn key(
     light: Option<(&LightSetup<'_>, Term<'_>)>,
     object: Option<&Object>,
 ) -> Result<Key, RenderError> {
-    let switch = |on: bool| if on { "on" } else { "off" };
     let mut choices = BTreeMap::from([("pass", pass.name)]);
-    if let Some(object) = object {
-        let material = &object.material;
-        let textured = material.base_color_texture.is_some();
-        choices.insert("surface", material.surface.as_str());
-        choices.insert("alpha_test", switch(material.alpha_cutoff.is_some()));
-        choices.insert("base_color_texture", switch(textured));
-        choices.insert("vertex_color", switch(!object.mesh.colors.is_empty()));
-    }
-    choices.extend(
-        options
-            .axes
-            .iter()
-            .map(|(axis, value)| (axis.as_str(), value.as_str())),
-    );
-    if orthographic {
-        choices.insert("camera", "orthographic");
-    }
+    choices.extend(object.into_iter().flat_map(object_axes));
+    choices.extend(self::choices(options, orthographic));
     let (light, term) = light.unzip();
     let kind = light.map(|light| kind_name(&light.source.light.kind));
     // Other lights have no projection that a cookie could be seen through.
@@ -224,6 +209,29 @@ pub(super) fn key(
         }
     }
     Ok(library.key(choices)?)
+}
+
+/// What an object and its material choose.
+pub(super) fn object_axes(object: &Object) -> [(&str, &str); 4] {
+    let switch = |on: bool| if on { "on" } else { "off" };
+    let material = &object.material;
+    [
+        ("surface", material.surface.as_str()),
+        ("alpha_test", switch(material.alpha_cutoff.is_some())),
+        (
+            "base_color_texture",
+            switch(material.base_color_texture.is_some()),
+        ),
+        ("vertex_color", switch(!object.mesh.colors.is_empty())),
+    ]
+}
+
+/// What the options and the camera choose, for all objects and passes.
+pub(super) fn choices(options: &RenderOptions, orthographic: bool) -> Vec<(&str, &str)> {
+    let axes = options.axes.iter();
+    let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));
+    let camera = orthographic.then_some(("camera", "orthographic"));
+    axes.chain(camera).collect()
 }
 
 fn kind_name(kind: &LightKind) -> &'static str {

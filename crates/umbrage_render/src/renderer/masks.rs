@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 use umbrage_shadow::{Aabb, Constants, Value, View};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources, unfiltered};
 
 use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
     draw::{FrameState, LightInputs, PassInputs, record},
     passes::NamedPass,
-    pipelines::{ColorState, DrawState},
-    resources::{ShadowResources, unfiltered},
     seen::{SEEN_PLANES, picture_size},
     target::{DEPTH, Target, begin},
 };

@@ -4,40 +4,25 @@ mod air;
 mod assets;
 mod bind;
 mod camera;
-mod derived;
 mod draw;
 mod lights;
 mod masks;
 mod objects;
 mod passes;
-mod pipelines;
 mod regions;
-mod resources;
 mod seen;
 mod shadows;
 mod target;
 mod timer;
 
-use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
-    fmt,
-    sync::Arc,
-    time::Instant,
-};
+use std::{collections::BTreeMap, fmt, sync::Arc, time::Instant};
 
 use glam::Mat4;
-use umbrage_compose::{Composer, ProjectedKey};
-use umbrage_shadow::{Aabb, PlanError, Registry, TextureDesc, View};
+use umbrage_compose::Composer;
+use umbrage_shadow::{Aabb, PlanError, Registry, View};
+use umbrage_wgpu::Executor;
 
-use self::{
-    assets::Assets,
-    draw::FrameState,
-    lights::LightSetup,
-    objects::Objects,
-    pipelines::{Computation, DrawState, Pipeline},
-    resources::TextureId,
-    timer::Timer,
-};
+use self::{assets::Assets, draw::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
 use crate::{
     Gpu, RenderError, Rendered,
     scene::{Image, Scene},
@@ -49,9 +34,8 @@ pub struct Renderer {
     composer: Arc<Composer>,
     registry: Registry,
     assets: Assets,
-    pipelines: HashMap<(ProjectedKey, DrawState), Arc<Pipeline>>,
-    computations: HashMap<(ProjectedKey, BTreeSet<String>), Arc<Computation>>,
-    shadow_maps: BTreeMap<TextureId, (TextureDesc, wgpu::Texture)>,
+    /// Shadow maps, and all pipelines.
+    executor: Executor,
     white: Arc<Image>,
 }
 
@@ -79,6 +63,9 @@ pub struct RenderOptions {
     /// falls with their number: in `examples/scenes/shafts.ron`, against 4096 steps, it is 0.0066 (root mean square, of 1)
     /// at 32 steps and 0.0030 at 64, less than a code of 255 in linear light.
     pub shaft_steps: u32,
+    /// Whether shadow maps are drawn though they stand already, as if all casters had moved: what a measurement of the whole
+    /// cost wants.
+    pub fresh: bool,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
@@ -170,6 +157,7 @@ impl Default for RenderOptions {
             settings: BTreeMap::new(),
             path: Path::Forward,
             shaft_steps: 64,
+            fresh: false,
             timed: false,
         }
     }
@@ -188,14 +176,13 @@ struct Shot<'a> {
 impl Renderer {
     /// A renderer whose permutations come from `composer` and whose shadow methods from `registry`.
     pub fn new(gpu: Arc<Gpu>, composer: Arc<Composer>, registry: Registry) -> Self {
+        let executor = Executor::new(&gpu.device, &gpu.queue, Arc::clone(&composer));
         Self {
             gpu,
             composer,
             registry,
             assets: Assets::default(),
-            pipelines: HashMap::new(),
-            computations: HashMap::new(),
-            shadow_maps: BTreeMap::new(),
+            executor,
             white: Arc::new(Image::white()),
         }
     }
@@ -230,9 +217,7 @@ impl Renderer {
         if done.is_err() {
             // What was made along with the error may be broken.
             self.assets = Assets::default();
-            self.pipelines.clear();
-            self.computations.clear();
-            self.shadow_maps.clear();
+            self.executor.clear();
         }
         let mut rendered = done??;
         rendered.report.milliseconds = 1e3 * started.elapsed().as_secs_f64();
@@ -289,8 +274,8 @@ impl Renderer {
             What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
             What::Splits => self.splits(&mut frame, &shot)?,
         };
-        self.shadow_maps
-            .retain(|id, _| frame.shadow_maps.contains(id));
+        self.executor
+            .retain(|light| frame.shadow_maps.contains(&light));
         frame.report.plans.resize(shot.lights.len(), None);
         Ok(Rendered {
             width: options.width,
@@ -350,15 +335,14 @@ mod tests {
             let (mut meshes, mut images) = renderer.assets.kept();
             meshes.sort_unstable();
             images.sort_unstable();
-            let pipelines = renderer.pipelines.values();
+            let pipelines = renderer.executor.pipelines();
             let mut pipelines: Vec<_> = pipelines.map(|kept| kept.pipeline.clone()).collect();
             pipelines.sort_unstable();
-            let maps = renderer.shadow_maps.values();
             Self {
                 meshes,
                 images,
                 pipelines,
-                shadow_maps: maps.map(|(_, map)| map.clone()).collect(),
+                shadow_maps: renderer.executor.textures().cloned().collect(),
             }
         }
     }

@@ -1,11 +1,9 @@
 //! Passes as the shader library describes them.
 
 use umbrage_compose::{Blend, Depth, Purpose};
+use umbrage_wgpu::{ADD, MULTIPLY};
 
-use super::{
-    Renderer,
-    pipelines::{ADD, MULTIPLY},
-};
+use super::Renderer;
 use crate::RenderError;
 
 /// A pass that is run.
@@ -18,18 +16,6 @@ pub(super) struct NamedPass<'a> {
     pub(super) blend: Option<wgpu::BlendState>,
     /// Whether its depth takes the place of what is there.
     pub(super) writes_depth: bool,
-}
-
-impl<'a> NamedPass<'a> {
-    /// A pass of a light's plan, which says itself what it writes, and how.
-    pub(super) fn planned(name: &'a str) -> Self {
-        Self {
-            name,
-            purpose: Purpose::Maps,
-            blend: None,
-            writes_depth: false,
-        }
-    }
 }
 
 impl Renderer {

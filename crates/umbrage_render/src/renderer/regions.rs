@@ -6,21 +6,16 @@
 //! rejects: the permutations write no depth and discard nothing.
 
 use umbrage_shadow::{Constants, MAX_REGIONS, Region, Value};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Renderer,
     draw::{FrameState, LightInputs, Term},
     masks::{MaskPass, Masked, Masks, TERM, state},
-    pipelines::{ColorState, DrawState},
-    resources::ShadowResources,
     seen::picture_size,
-    shadows::bad_plan,
     target::DEPTH,
 };
-use crate::{
-    RenderError,
-    scene::{CheckedShadow, Object},
-};
+use crate::{RenderError, scene::Object};
 
 /// From one region's depth to the next one's, as the shader has it: floats hold each of them exactly.
 const STEP: f32 = 1.0 / 32.0;
@@ -149,30 +144,4 @@ fn ends(regions: &[Region]) -> Constants {
     let four = |i: usize| Value::Vec4([0, 1, 2, 3].map(|j| end(4 * i + j)).into());
     let all = (0..MAX_REGIONS.div_ceil(4)).map(four).collect();
     Constants::new().with("ends", Value::Array(all))
-}
-
-/// Checks what a plan says of its regions.
-pub(super) fn check(setup: &CheckedShadow<'_>, regions: &[Region]) -> Result<(), RenderError> {
-    if regions.len() > MAX_REGIONS {
-        let problem = format!(
-            "{} regions of view depth: {MAX_REGIONS} at the most",
-            regions.len()
-        );
-        return Err(bad_plan(setup, &problem));
-    }
-    let mut start = 0.0;
-    for Region { end, axes } in regions {
-        // NaN is not beyond.
-        if !(*end > start && end.is_finite()) {
-            let problem = format!("a region of view depth from {start} m to {end} m");
-            return Err(bad_plan(setup, &problem));
-        }
-        let known = setup.choice.axes();
-        if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
-            let problem = format!("a region with the axis `{axis}`, which is none of its axes");
-            return Err(bad_plan(setup, &problem));
-        }
-        start = *end;
-    }
-    Ok(())
 }

@@ -1,6 +1,7 @@
 //! What the camera sees, before any light is added: each pixel's plane, and between which depths all of them are.
 
 use glam::Vec3;
+use umbrage_wgpu::DrawState;
 
 use super::{
     Renderer, Shot,
@@ -8,8 +9,8 @@ use super::{
     draw::{FrameState, PassInputs, record},
     masks::state,
     passes::NamedPass,
-    pipelines::DrawState,
     target::{Target, begin, read},
+    timer::Mark,
 };
 use crate::RenderError;
 
@@ -113,8 +114,24 @@ impl Renderer {
             true,
         );
         let [across, down] = blocks;
-        let groups = [across, down, 1];
-        self.compute(frame, &inputs, permutation, groups, mark)?;
+        let unfiltered = inputs.state.unfiltered.clone();
+        let computation = self.executor.computation(&permutation, unfiltered)?;
+        let groups = self.bind_all(frame, &inputs, &computation.program)?;
+        let mut recorded = frame
+            .encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(inputs.pass.name),
+                timestamp_writes: mark.as_ref().map(Mark::compute_writes),
+            });
+        recorded.set_pipeline(&computation.pipeline);
+        for (group, bound) in (0..).zip(&groups) {
+            if let Some(bound) = bound {
+                recorded.set_bind_group(group, bound, &[]);
+            }
+        }
+        recorded.dispatch_workgroups(across, down, 1);
+        drop(recorded);
+        frame.report.passes += 1;
         self.submit(frame)?;
         let bytes = read(&self.gpu, &ranges)?;
         let found = bytes.as_chunks::<16>().0.iter();

@@ -1,26 +1,33 @@
-//! Executes what a shadow method plans.
+//! Lights' shadows, by the executor, with the scene's objects for casters.
 
-use std::collections::BTreeSet;
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    error::Error as StdError,
+    hash::{DefaultHasher, Hash as _, Hasher as _},
+    mem,
+    sync::Arc,
+};
 
-use glam::Vec3;
-use umbrage_shadow::{
-    Aabb, Blend, CasterPass, ColorTarget, DepthTarget, Pass, ShadowPlan, TextureDesc, TextureShape,
-    View, Viewport,
+use umbrage_compose::{Composed, Purpose};
+use umbrage_shadow::{Pass, View};
+use umbrage_wgpu::{
+    CheckedShadow, Draws, Executed, Host, Identity, Job, Pipeline, Run, ShadowResources, Times,
+    size,
 };
 
 use super::{
     Renderer,
     air::{AIR, LitAir},
-    assets::Vertices,
-    draw::{FrameState, PassInputs, record},
-    lights::LightSetup,
-    passes::NamedPass,
-    pipelines::{ColorState, DrawState, MAX},
-    regions,
-    resources::{ShadowResources, Textures},
-    timer::Mark,
+    assets::{Vertices, layouts},
+    bind::Stock,
+    draw::FrameState,
+    lights::{self, LightSetup},
+    objects::Run as Batch,
 };
-use crate::{RenderError, scene::CheckedShadow};
+use crate::{
+    Gpu, RenderError,
+    scene::{Material, Object},
+};
 
 impl Renderer {
     /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
@@ -32,387 +39,229 @@ impl Renderer {
         setup: &CheckedShadow<'_>,
         (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
-        let mut casting = Vec::new();
+        let (mut casting, mut casters) = (Vec::new(), Vec::new());
         let (mut caster_bounds, mut receiver_bounds) = (Vec::new(), Vec::new());
+        let mut receiver = None;
         for (slot, object) in frame.objects.iter() {
             if object.material.casts {
                 casting.push(slot);
+                casters.push(self.identity(object));
                 caster_bounds.push(object.bounds);
             }
             if receivers.binary_search(&slot).is_ok() {
                 receiver_bounds.push(object.bounds);
+                receiver = receiver.or(Some(object));
             }
         }
         receiver_bounds.extend(air.and_then(|air| air.shaded));
-        let plan = plan(
+        let planned = setup.frame(
             (view, seen),
-            (light, setup),
+            &light.source.light,
             &caster_bounds,
             &receiver_bounds,
-        )?;
-        regions::check(setup, &plan.regions)?;
-        self.check_needs(light, setup, &plan)?;
-        let textures = self.textures(frame, light, setup, &plan)?;
-        frame.report.fetches_per_pixel += plan.fetches_per_pixel;
-        let mut resources = self.resources(frame, &plan, &textures);
-        let receiver = frame
-            .objects
-            .iter()
-            .find_map(|(slot, object)| receivers.contains(&slot).then_some(object));
-        let mut job = Job {
-            light,
-            setup,
-            textures: &textures,
-            cause: receiver.map_or(AIR, |object| &object.name),
-            filled: BTreeSet::new(),
+        );
+        let constants = lights::constants(&light.source.light, view.position);
+        let choices = lights::choices(frame.options, frame.orthographic);
+        let job = Job {
+            light: light.index as u64,
+            name: &light.source.name,
+            shadow: setup,
+            frame: &planned,
+            casters: &casters,
+            choices: &choices,
+            constants: &constants,
         };
-        for pass in &plan.passes {
-            match pass {
-                Pass::Casters(pass) => {
-                    let slots = slots(setup, pass, &casting)?;
-                    self.draw_casters(frame, &mut job, pass, &slots)?;
-                }
-                Pass::Screen(pass) => {
-                    self.draw_screen(frame, &mut job, pass, view.position, &resources)?;
-                }
-                Pass::Compute(pass) => {
-                    self.compute_maps(frame, &job, pass, view.position, &resources)?;
-                }
-                _ => return Err(bad_plan(setup, "a pass of a kind that is not known here")),
-            }
+        if frame.options.fresh {
+            self.executor.forget(job.light);
         }
-        resources.constants = plan.constants.clone();
-        resources.regions = plan.regions.clone();
-        frame.report.plans.resize(light.index, None);
-        frame.report.plans.push(Some(plan));
-        Ok(resources)
-    }
-
-    /// Whether the device has what the plan needs.
-    fn check_needs(
-        &self,
-        light: &LightSetup<'_>,
-        setup: &CheckedShadow<'_>,
-        plan: &ShadowPlan,
-    ) -> Result<(), RenderError> {
-        let there = self.gpu.device.features();
-        match plan
-            .needs
-            .iter()
-            .find(|need| !there.contains(need.features))
-        {
-            None => Ok(()),
-            Some(need) => {
-                let missing = (need.features - there).iter_names();
-                let missing: Vec<_> = missing
-                    .map(|(name, _)| name.to_lowercase().replace('_', "-"))
-                    .collect();
-                Err(RenderError::Missing {
-                    light: light.source.name.clone(),
-                    method: setup.method().name().to_owned(),
-                    adapter: self.gpu.adapter().to_owned(),
-                    features: missing.join(", "),
-                    instead: need.instead.clone(),
-                })
-            }
-        }
-    }
-
-    fn draw_casters<'a>(
-        &mut self,
-        frame: &mut FrameState<'_>,
-        job: &mut Job<'a>,
-        pass: &'a CasterPass,
-        slots: &[usize],
-    ) -> Result<(), RenderError> {
-        let setup = job.setup;
-        check_casters(setup, pass)?;
-        let depth = match &pass.depth {
-            Some(target) => Some((target, depth_target(setup, target, &pass.viewport, job)?)),
-            None => None,
-        };
-        let color = match &pass.color {
-            Some(target) => {
-                let size = depth.as_ref().map(|(_, (desc, _))| *desc);
-                Some((
-                    color_target(setup, target, size, &pass.viewport, job.textures)?,
-                    job.filled.insert(&target.texture),
-                ))
-            }
-            None => None,
-        };
-        let inputs = PassInputs {
-            pass: NamedPass::planned(&pass.shader),
-            cause: Some(&job.light.source.name),
-            view_proj: pass.view_proj,
-            ambient: Vec3::ZERO,
-            light: None,
-            vertices: Vertices::Shared,
-            state: DrawState {
-                color: color.as_ref().map(|((state, _), _)| *state),
-                depth: depth.as_ref().map(|(_, (desc, _))| desc.format),
-                compare: pass
-                    .depth
-                    .as_ref()
-                    .map_or(wgpu::CompareFunction::Always, |depth| depth.compare),
-                write_depth: depth.is_some(),
-                cull: pass.cull,
-                front: wgpu::FrontFace::Ccw,
-                unfiltered: BTreeSet::new(),
+        frame.shadow_maps.insert(job.light);
+        let next = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = mem::replace(&mut frame.encoder, next);
+        let mut stage = Stage {
+            gpu: &self.gpu,
+            stock: Stock {
+                assets: &mut self.assets,
+                white: &self.white,
             },
+            frame: &mut *frame,
+            casting: &casting,
+            light: &light.source.name,
+            cause: receiver.map_or(AIR, |object| &object.name),
+            draws: 0,
         };
-        let commands = self.prepare(frame, &inputs, slots)?;
-        let colors = color
-            .as_ref()
-            .map(|((_, view), clear)| attachment(view, *clear));
-        let depths = depth.as_ref().map(|(target, (_, view))| {
-            let load = target.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
-            depth_attachment(view, load)
-        });
-        let name = Some(job.light.source.name.as_str());
-        let mark = frame
-            .timer
-            .mark(&self.gpu, ("casters", inputs.pass.purpose), name, false);
-        let mut recorded = frame
-            .encoder
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("casters"),
-                color_attachments: colors.as_slice(),
-                depth_stencil_attachment: depths,
-                timestamp_writes: mark.as_ref().map(Mark::writes),
-                ..Default::default()
-            });
-        set_viewport(&mut recorded, &pass.viewport);
-        record(&mut recorded, &commands);
-        frame.report.passes += 1;
-        frame.report.caster_passes += 1;
-        frame.report.caster_draws += commands.len() as u32;
+        let done = self.executor.shadow(&mut encoder, &job, &mut stage);
+        let draws = stage.draws;
+        frame.encoder = encoder;
+        let executed = done.map_err(own)?;
+        report(frame, &executed, draws);
+        frame.report.plans.resize(light.index, None);
+        frame.report.plans.push(Some(executed.plan));
+        Ok(executed.resources)
+    }
+
+    /// Which caster an object is. Scenes are plain data: whatever makes it look as it does makes it another.
+    fn identity(&mut self, object: &Object) -> Identity {
+        let mut state = DefaultHasher::new();
+        self.assets.number(&object.material).hash(&mut state);
+        for number in object.transform.to_cols_array() {
+            number.to_bits().hash(&mut state);
+        }
+        Identity {
+            id: self.assets.number(&object.mesh),
+            revision: state.finish(),
+        }
+    }
+}
+
+/// The scene's own errors, as they are.
+fn own(error: umbrage_wgpu::Error) -> RenderError {
+    match error {
+        umbrage_wgpu::Error::Casters { light, source } => match source.downcast() {
+            Ok(own) => *own,
+            Err(source) => umbrage_wgpu::Error::Casters { light, source }.into(),
+        },
+        other => other.into(),
+    }
+}
+
+/// What a plan took.
+fn report(frame: &mut FrameState<'_>, executed: &Executed, draws: u32) {
+    let report = &mut frame.report;
+    report.fetches_per_pixel += executed.plan.fetches_per_pixel;
+    for desc in &executed.plan.textures {
+        let size = size(desc);
+        let layer = u64::from(size.width) * u64::from(size.height);
+        report.texels += layer * u64::from(size.depth_or_array_layers);
+        report.shadow_bytes += desc.format.theoretical_memory_footprint(size);
+    }
+    for (pass, run) in executed.plan.passes.iter().zip(&executed.runs) {
+        let count = match (run, pass) {
+            (Run::Kept, _) => {
+                report.kept_passes += 1;
+                continue;
+            }
+            (Run::Recorded, Pass::Casters(_)) => &mut report.caster_passes,
+            (Run::Recorded, _) => &mut report.derived_passes,
+        };
+        *count += 1;
+        report.passes += 1;
+        // A pass without casters draws one triangle, or none.
+        report.draws += u32::from(matches!(pass, Pass::Screen(_)));
+    }
+    report.caster_draws += draws;
+    report.draws += draws;
+}
+
+/// The scene's objects, where a plan draws casters.
+struct Stage<'s, 'f> {
+    gpu: &'s Gpu,
+    stock: Stock<'s>,
+    frame: &'s mut FrameState<'f>,
+    /// Slots of the casters.
+    casting: &'s [usize],
+    /// The light's name.
+    light: &'s str,
+    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
+    cause: &'s str,
+    draws: u32,
+}
+
+impl Host for Stage<'_, '_> {
+    fn draw(
+        &mut self,
+        casters: &[usize],
+        draws: &mut Draws<'_, '_>,
+    ) -> Result<(), Box<dyn StdError + Send + Sync>> {
+        let slots = casters
+            .iter()
+            .filter_map(|caster| self.casting.get(*caster));
+        let mut slots: Vec<_> = slots.copied().collect();
+        slots.sort_unstable();
+        let mut groups = Groups::default();
+        for batch in self.frame.objects.runs(&slots) {
+            if !batch.object.mesh.indices.is_empty() {
+                self.draw_batch(&batch, draws, &mut groups)?;
+            }
+        }
         Ok(())
     }
+
+    fn times(&mut self, pass: &Pass) -> Option<Times> {
+        let (name, computes) = match pass {
+            Pass::Casters(_) => ("casters", false),
+            Pass::Compute(pass) => (pass.shader.as_str(), true),
+            other => (other.shader(), false),
+        };
+        let (gpu, what) = (self.gpu, (name, Purpose::Maps));
+        let mark = self.frame.timer.mark(gpu, what, Some(self.light), computes);
+        mark.map(|mark| mark.queries())
+    }
+
+    fn composed(&mut self, _: &str, composed: &Composed) {
+        let by = (self.cause, Some(self.light));
+        self.frame.note(composed, Purpose::Maps, by);
+    }
 }
 
-/// What the passes of one plan share.
-pub(super) struct Job<'a> {
-    pub(super) light: &'a LightSetup<'a>,
-    pub(super) setup: &'a CheckedShadow<'a>,
-    pub(super) textures: &'a Textures,
-    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
-    pub(super) cause: &'a str,
-    /// The textures that a pass has filled in part, or whole: only the first one into a texture clears it.
-    pub(super) filled: BTreeSet<&'a str>,
-}
+/// The groups of objects in one pass, by pipeline, group and material; other groups are the same for all objects.
+#[derive(Default)]
+struct Groups(HashMap<(*const Pipeline, usize, *const Material), Option<wgpu::BindGroup>>);
 
-pub(super) fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
-    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|n| n as f32);
-    pass.set_viewport(x, y, width, height, 0.0, 1.0);
-}
-
-fn plan(
-    (view, seen): (&View, Option<[f64; 2]>),
-    (light, setup): (&LightSetup<'_>, &CheckedShadow<'_>),
-    casters: &[Aabb],
-    receivers: &[Aabb],
-) -> Result<ShadowPlan, RenderError> {
-    let frame = setup.frame((view, seen), &light.source.light, casters, receivers);
-    let light = light.source.name.clone();
-    setup
-        .method()
-        .plan(&frame)
-        .map_err(|source| RenderError::Plan { light, source })
-}
-
-/// The slots of the casters that `pass` lists, ascending.
-fn slots(
-    setup: &CheckedShadow<'_>,
-    pass: &CasterPass,
-    casting: &[usize],
-) -> Result<Vec<usize>, RenderError> {
-    let slots = pass
-        .casters
-        .iter()
-        .map(|caster| casting.get(*caster).copied());
-    let Some(mut slots) = slots.collect::<Option<Vec<_>>>() else {
-        return Err(bad_plan(setup, "a caster that there is not"));
-    };
-    slots.sort_unstable();
-    slots.dedup();
-    Ok(slots)
-}
-
-fn check_casters(setup: &CheckedShadow<'_>, pass: &CasterPass) -> Result<(), RenderError> {
-    let problem = if pass.depth.is_none() && pass.color.is_none() {
-        "casters into no texture"
-    } else if !pass.view_proj.is_finite() {
-        "casters under a matrix that is not finite"
-    } else {
-        return Ok(());
-    };
-    Err(bad_plan(setup, problem))
-}
-
-/// A texture of the plan.
-pub(super) fn target<'a>(
-    setup: &CheckedShadow<'_>,
-    textures: &'a Textures,
-    name: &str,
-) -> Result<(&'a TextureDesc, &'a wgpu::Texture), RenderError> {
-    match textures.get(name) {
-        Some((desc, texture)) => Ok((desc, texture)),
-        None => {
-            let problem = format!("the target `{name}`, which is none of its textures");
-            Err(bad_plan(setup, &problem))
+impl Stage<'_, '_> {
+    fn draw_batch(
+        &mut self,
+        batch: &Batch<'_>,
+        draws: &mut Draws<'_, '_>,
+        groups: &mut Groups,
+    ) -> Result<(), RenderError> {
+        let object = batch.object;
+        let axes = lights::object_axes(object);
+        let vertices = layouts(object);
+        let prepared = draws.pipeline(&axes, &vertices, batch.mirrored)?;
+        let by = (object.name.as_str(), Some(self.light));
+        self.frame.note(&prepared.composed, Purpose::Maps, by);
+        let pipeline = &prepared.pipeline;
+        draws.set(pipeline)?;
+        for group in 0..pipeline.program.groups.len() {
+            let mut bindings = pipeline.program.bindings(group);
+            if bindings.any(|binding| binding.name == "frame") {
+                continue;
+            }
+            let id = (Arc::as_ptr(pipeline), group, Arc::as_ptr(&object.material));
+            let bound = match groups.0.entry(id) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => place.insert(self.bind(pipeline, group, object)?),
+            };
+            if let Some(bound) = bound {
+                draws.pass().set_bind_group(group as u32, &*bound, &[]);
+            }
         }
+        let mesh = self.stock.assets.mesh(self.gpu, object, Vertices::Shared)?;
+        for (slot, place) in prepared.vertices.iter().enumerate() {
+            let location = vertices[*place].attributes[0].shader_location;
+            if let Some(buffer) = mesh.attribute(location) {
+                let pass = draws.pass();
+                pass.set_vertex_buffer(slot as u32, buffer.slice(..));
+            }
+        }
+        mesh.draw(draws.pass(), batch.instances.clone());
+        self.draws += 1;
+        Ok(())
     }
-}
 
-/// Whether a viewport lies in a texture.
-pub(super) fn check_viewport(
-    setup: &CheckedShadow<'_>,
-    area: &Viewport,
-    desc: &TextureDesc,
-) -> Result<(), RenderError> {
-    let inside = |start: u32, extent: u32, all: u32| {
-        extent > 0 && start.checked_add(extent).is_some_and(|end| end <= all)
-    };
-    if inside(area.x, area.width, desc.width) && inside(area.y, area.height, desc.height) {
-        return Ok(());
-    }
-    let problem = format!(
-        "what is drawn into {area:?}, outside the {} by {} texels of `{}`",
-        desc.width, desc.height, desc.name
-    );
-    Err(bad_plan(setup, &problem))
-}
-
-/// The depth texture that a pass draws into.
-fn depth_target<'a>(
-    setup: &CheckedShadow<'_>,
-    target: &DepthTarget,
-    viewport: &Viewport,
-    job: &Job<'a>,
-) -> Result<(&'a TextureDesc, wgpu::TextureView), RenderError> {
-    let (desc, texture) = self::target(setup, job.textures, &target.texture)?;
-    check_viewport(setup, viewport, desc)?;
-    let problem = if !is_depth(desc.format) {
-        format!(
-            "casters into `{}`, whose format {:?} is not of depth alone",
-            desc.name, desc.format
-        )
-    } else if target.layer >= desc.shape.layers() {
-        format!("casters into layer {} of `{}`", target.layer, desc.name)
-    } else {
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: target.layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        });
-        return Ok((desc, view));
-    };
-    Err(bad_plan(setup, &problem))
-}
-
-/// Whether a format is of depth alone.
-pub(super) fn is_depth(format: wgpu::TextureFormat) -> bool {
-    format.has_depth_aspect() && !format.has_stencil_aspect()
-}
-
-/// The colour texture that a pass draws into, as large as `depth`, where it has that as well.
-fn color_target(
-    setup: &CheckedShadow<'_>,
-    color: &ColorTarget,
-    depth: Option<&TextureDesc>,
-    viewport: &Viewport,
-    textures: &Textures,
-) -> Result<(ColorState, wgpu::TextureView), RenderError> {
-    let name = &color.texture;
-    let bad = |problem: String| bad_plan(setup, &problem);
-    let (desc, texture) = target(setup, textures, name)?;
-    let format = desc.format;
-    if !is_floats(desc) {
-        let problem =
-            format!("a colour into `{name}`, which is not one rectangle of floats ({format:?})");
-        return Err(bad(problem));
-    }
-    if let Some(depth) = depth
-        && [desc.width, desc.height] != [depth.width, depth.height]
-    {
-        let problem = format!(
-            "a colour into the {} by {} texels of `{name}` and depth into the {} by {} of `{}`: both must be as large",
-            desc.width, desc.height, depth.width, depth.height, depth.name
-        );
-        return Err(bad(problem));
-    }
-    let there = wgpu::ColorWrites::from_bits_truncate((1 << format.components()) - 1);
-    if color.channels.is_empty() || !there.contains(color.channels) {
-        let (wanted, there) = (channel_names(color.channels), channel_names(there));
-        let problem = format!(
-            "a colour into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
-        );
-        return Err(bad(problem));
-    }
-    check_viewport(setup, viewport, desc)?;
-    let state = ColorState {
-        format,
-        blend: match color.blend {
-            Blend::Replace => None,
-            Blend::Max => Some(MAX),
-        },
-        channels: color.channels,
-    };
-    Ok((state, texture.create_view(&Default::default())))
-}
-
-/// Whether a texture is one rectangle of floats that can be drawn into.
-pub(super) fn is_floats(desc: &TextureDesc) -> bool {
-    let sample = desc.format.sample_type(None, None);
-    let floats = matches!(sample, Some(wgpu::TextureSampleType::Float { .. }));
-    floats && desc.format.has_color_aspect() && desc.shape == TextureShape::D2
-}
-
-fn channel_names(channels: wgpu::ColorWrites) -> String {
-    let names = [(1, 'r'), (2, 'g'), (4, 'b'), (8, 'a')].into_iter();
-    let set = names.filter(|(bit, _)| channels.bits() & bit != 0);
-    set.map(|(_, name)| name).collect()
-}
-
-/// A colour's attachment; cleared to 0, the farthest, or kept.
-pub(super) fn attachment(
-    view: &wgpu::TextureView,
-    clear: bool,
-) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let load = match clear {
-        true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-        false => wgpu::LoadOp::Load,
-    };
-    Some(wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    })
-}
-
-pub(super) fn depth_attachment(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<f32>,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
-}
-
-pub(super) fn bad_plan(setup: &CheckedShadow<'_>, problem: &str) -> RenderError {
-    RenderError::BadPlan {
-        method: setup.method().name().to_owned(),
-        problem: problem.to_owned(),
+    fn bind(
+        &mut self,
+        pipeline: &Pipeline,
+        group: usize,
+        object: &Object,
+    ) -> Result<Option<wgpu::BindGroup>, RenderError> {
+        let program = &pipeline.program;
+        let key = &program.permutation.key;
+        program.bind(&self.gpu.device, group, |binding| {
+            match binding.name.as_str() {
+                "instances" => self.frame.instances(self.gpu, key, binding),
+                _ => self.stock.material(self.gpu, Some(object), key, binding),
+            }
+        })
     }
 }

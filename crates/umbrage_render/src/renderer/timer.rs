@@ -41,6 +41,11 @@ pub(super) struct Mark {
 }
 
 impl Mark {
+    /// The queries of its beginning and its end.
+    pub(super) fn queries(&self) -> (wgpu::QuerySet, [u32; 2]) {
+        (self.set.clone(), [self.first, self.first + 1])
+    }
+
     pub(super) fn writes(&self) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.set,

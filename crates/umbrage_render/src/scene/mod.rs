@@ -9,23 +9,21 @@ mod left_out;
 mod medium;
 mod model;
 mod own_lights;
-mod shadow;
 mod shapes;
 
 use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage_shadow::{Aabb, Field, Light, Projection, View, overlap, plain_number};
+use umbrage_wgpu::Shadow;
 
 pub(crate) use self::image::encode_srgb;
-pub(crate) use self::shadow::check_value;
 pub use self::{
     error::SceneError,
     file::look_along,
     image::{Image, Level},
     left_out::LeftOut,
     medium::Medium,
-    shadow::{CheckedShadow, Shadow, ShadowError},
 };
 
 /// What is to be rendered. World space: metres, right-handed, y up.

@@ -13,6 +13,7 @@ pub(crate) fn options(shaft_steps: u32) -> RenderOptions {
         width: SIZE.0,
         height: SIZE.1,
         shaft_steps,
+        fresh: true,
         ..RenderOptions::default()
     }
 }

@@ -48,6 +48,8 @@ pub(crate) fn small(what: What) -> RenderOptions {
         width: 160,
         height: 120,
         what,
+        // Costs are those of a picture by itself.
+        fresh: true,
         ..RenderOptions::default()
     }
 }

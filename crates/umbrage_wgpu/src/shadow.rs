@@ -171,7 +171,10 @@ impl Shadow {
 }
 
 /// Checks that `axis` has `value` in `library`.
-pub(crate) fn check_value(library: &Library, axis: &str, value: &str) -> Result<(), ShadowError> {
+///
+/// # Errors
+/// It has not.
+pub fn check_value(library: &Library, axis: &str, value: &str) -> Result<(), ShadowError> {
     let found = library.axes().get(axis);
     let values: Vec<_> = found.iter().flat_map(|axis| axis.values()).collect();
     if values.contains(&value) {

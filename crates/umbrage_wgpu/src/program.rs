@@ -2,28 +2,32 @@
 
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
-use umbrage_compose::{
-    Binding, BindingKind, EntryPoint, Permutation, Stage, TextureDimension, TextureSample,
-};
+use umbrage_compose::{Binding, BindingKind, Permutation, Stage, TextureDimension, TextureSample};
 
-use crate::{Gpu, RenderError};
+use crate::Error;
 
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct DrawState {
-    pub(super) color: Option<ColorState>,
-    pub(super) depth: Option<wgpu::TextureFormat>,
-    pub(super) compare: wgpu::CompareFunction,
-    pub(super) write_depth: bool,
-    pub(super) cull: Option<wgpu::Face>,
-    pub(super) front: wgpu::FrontFace,
-    /// Names of textures and samplers in the pass's and the light's group that are not to be filtered.
-    pub(super) unfiltered: BTreeSet<String>,
+pub struct DrawState {
+    /// Where colours go; none where they are not written.
+    pub color: Option<ColorState>,
+    /// The format of the depths; none where there are none.
+    pub depth: Option<wgpu::TextureFormat>,
+    /// How depths are compared.
+    pub compare: wgpu::CompareFunction,
+    /// Whether depths are written.
+    pub write_depth: bool,
+    /// Which faces are left out.
+    pub cull: Option<wgpu::Face>,
+    /// Which faces are fronts.
+    pub front: wgpu::FrontFace,
+    /// Names of textures and samplers that are not to be filtered.
+    pub unfiltered: BTreeSet<String>,
 }
 
 impl DrawState {
-    /// That of a pass without targets.
-    pub(super) const NOTHING: Self = Self {
+    /// The state of a pass without targets.
+    pub const NOTHING: Self = Self {
         color: None,
         depth: None,
         compare: wgpu::CompareFunction::Always,
@@ -36,46 +40,43 @@ impl DrawState {
 
 /// How a pass writes colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct ColorState {
-    pub(super) format: wgpu::TextureFormat,
+pub struct ColorState {
+    /// The format.
+    pub format: wgpu::TextureFormat,
     /// How what is drawn meets what is there; without it, it takes its place.
-    pub(super) blend: Option<wgpu::BlendState>,
+    pub blend: Option<wgpu::BlendState>,
     /// The channels that are written.
-    pub(super) channels: wgpu::ColorWrites,
+    pub channels: wgpu::ColorWrites,
 }
 
 /// A shader and what it wants bound.
-pub(super) struct Program {
-    pub(super) permutation: Arc<Permutation>,
+pub struct Program {
+    /// The shader.
+    pub permutation: Arc<Permutation>,
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     /// By group; none where the shader reads nothing of it.
-    pub(super) groups: Vec<Option<wgpu::BindGroupLayout>>,
+    pub groups: Vec<Option<wgpu::BindGroupLayout>>,
 }
 
 impl Program {
-    /// That of `permutation`, in which `unfiltered` names textures and samplers of the pass's and the light's
-    /// group that are not to be filtered.
+    /// The program of `permutation`, in which `unfiltered` names textures and samplers that are not to be filtered.
     fn new(
-        gpu: &Gpu,
+        device: &wgpu::Device,
         permutation: Arc<Permutation>,
         unfiltered: &BTreeSet<String>,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Self, Error> {
         let label = permutation.key.to_string();
-        let module = gpu
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(&label),
-                source: wgpu::ShaderSource::Naga(Cow::Owned(permutation.module.clone())),
-            });
-        let groups = group_layouts(gpu, &permutation, unfiltered)?;
-        let layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(&label),
-                bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
-                immediate_size: 0,
-            });
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(permutation.module.clone())),
+        });
+        let groups = group_layouts(device, &permutation, unfiltered)?;
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
+            immediate_size: 0,
+        });
         Ok(Self {
             permutation,
             module,
@@ -85,7 +86,7 @@ impl Program {
     }
 
     /// The bindings of one group.
-    pub(super) fn bindings(&self, group: usize) -> impl Iterator<Item = &Binding> {
+    pub fn bindings(&self, group: usize) -> impl Iterator<Item = &Binding> {
         let bindings = &self.permutation.reflection.bindings;
         bindings
             .iter()
@@ -94,120 +95,108 @@ impl Program {
 }
 
 /// A compute pipeline.
-pub(super) struct Computation {
-    pub(super) program: Program,
-    pub(super) pipeline: wgpu::ComputePipeline,
+pub struct Computation {
+    /// Its shader.
+    pub program: Program,
+    /// Itself.
+    pub pipeline: wgpu::ComputePipeline,
 }
 
 impl Computation {
-    pub(super) fn new(
-        gpu: &Gpu,
+    /// The pipeline that runs `permutation`; `unfiltered` names textures and samplers that are not to be filtered.
+    ///
+    /// # Errors
+    /// A binding that no compute pass can have.
+    pub fn new(
+        device: &wgpu::Device,
         permutation: Arc<Permutation>,
         unfiltered: &BTreeSet<String>,
-    ) -> Result<Self, RenderError> {
-        let program = Program::new(gpu, permutation, unfiltered)?;
+    ) -> Result<Self, Error> {
+        let program = Program::new(device, permutation, unfiltered)?;
         let entry = program.permutation.reflection.entry_point(Stage::Compute);
-        let pipeline = gpu
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(&program.permutation.key.to_string()),
-                layout: Some(&program.layout),
-                module: &program.module,
-                entry_point: entry.map(|entry| entry.name.as_str()),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&program.permutation.key.to_string()),
+            layout: Some(&program.layout),
+            module: &program.module,
+            entry_point: entry.map(|entry| entry.name.as_str()),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
         Ok(Self { program, pipeline })
     }
 }
 
 /// A render pipeline.
-pub(super) struct Pipeline {
-    pub(super) program: Program,
-    pub(super) pipeline: wgpu::RenderPipeline,
-    /// The attribute in each vertex buffer's place.
-    pub(super) attributes: Vec<u32>,
+pub struct Pipeline {
+    /// Its shader.
+    pub program: Program,
+    /// Itself.
+    pub pipeline: wgpu::RenderPipeline,
 }
 
 impl Pipeline {
-    pub(super) fn new(
-        gpu: &Gpu,
+    /// The pipeline that draws vertices in buffers of these layouts with `permutation`.
+    ///
+    /// # Errors
+    /// A binding that no render pass can have.
+    pub fn new(
+        device: &wgpu::Device,
         permutation: Arc<Permutation>,
         state: &DrawState,
-    ) -> Result<Self, RenderError> {
-        let program = Program::new(gpu, permutation, &state.unfiltered)?;
+        vertices: &[wgpu::VertexBufferLayout<'_>],
+    ) -> Result<Self, Error> {
+        let program = Program::new(device, permutation, &state.unfiltered)?;
         let module = &program.module;
         let entry = |stage| program.permutation.reflection.entry_point(stage);
-        let vertex = entry(Stage::Vertex);
-        let attributes = attributes(vertex);
-        let buffers: Vec<_> = attributes
-            .iter()
-            .map(|attribute| {
-                Some(wgpu::VertexBufferLayout {
-                    array_stride: attribute.format.size(),
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: std::slice::from_ref(attribute),
-                })
-            })
-            .collect();
+        let buffers: Vec<_> = vertices.iter().cloned().map(Some).collect();
         let targets = [state.color.map(|color| wgpu::ColorTargetState {
             format: color.format,
             blend: color.blend,
             write_mask: color.channels,
         })];
-        let pipeline = gpu
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(&program.permutation.key.to_string()),
-                layout: Some(&program.layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: vertex.map(|entry| entry.name.as_str()),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &buffers,
-                },
-                primitive: wgpu::PrimitiveState {
-                    front_face: state.front,
-                    cull_mode: state.cull,
-                    ..Default::default()
-                },
-                depth_stencil: state.depth.map(|format| wgpu::DepthStencilState {
-                    format,
-                    depth_write_enabled: Some(state.write_depth),
-                    depth_compare: Some(state.compare),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: entry(Stage::Fragment).map(|entry| wgpu::FragmentState {
-                    module,
-                    entry_point: Some(&entry.name),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: if state.color.is_some() { &targets } else { &[] },
-                }),
-                multiview_mask: None,
-                cache: None,
-            });
-        let attributes = attributes
-            .iter()
-            .map(|attribute| attribute.shader_location)
-            .collect();
-        Ok(Self {
-            program,
-            pipeline,
-            attributes,
-        })
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(&program.permutation.key.to_string()),
+            layout: Some(&program.layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: entry(Stage::Vertex).map(|entry| entry.name.as_str()),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                front_face: state.front,
+                cull_mode: state.cull,
+                ..Default::default()
+            },
+            depth_stencil: state.depth.map(|format| wgpu::DepthStencilState {
+                format,
+                depth_write_enabled: Some(state.write_depth),
+                depth_compare: Some(state.compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: entry(Stage::Fragment).map(|entry| wgpu::FragmentState {
+                module,
+                entry_point: Some(&entry.name),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: if state.color.is_some() { &targets } else { &[] },
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Ok(Self { program, pipeline })
     }
 }
 
 /// Adds what is drawn to what is there.
-pub(super) const ADD: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Add);
+pub const ADD: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Add);
 
 /// Keeps the larger one, channel by channel.
-pub(super) const MAX: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Max);
+pub const MAX: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Max);
 
 /// Multiplies what is there with what is drawn.
-pub(super) const MULTIPLY: wgpu::BlendState = blend(
+pub const MULTIPLY: wgpu::BlendState = blend(
     [wgpu::BlendFactor::Zero, wgpu::BlendFactor::Src],
     wgpu::BlendOperation::Add,
 );
@@ -231,7 +220,7 @@ const fn blend(
 }
 
 /// Whether a fragment asks which side of its triangle is seen.
-pub(super) fn reads_facing(permutation: &Permutation) -> bool {
+pub fn reads_facing(permutation: &Permutation) -> bool {
     let facing = Some(wgpu::naga::Binding::BuiltIn(
         wgpu::naga::BuiltIn::FrontFacing,
     ));
@@ -247,51 +236,29 @@ pub(super) fn reads_facing(permutation: &Permutation) -> bool {
         })
 }
 
-/// The vertex inputs as attributes of the mesh's buffers; what a mesh does not have is left to the
-/// device to refuse, by name.
-fn attributes(vertex: Option<&EntryPoint>) -> Vec<wgpu::VertexAttribute> {
-    let inputs = vertex.map_or(&[][..], |entry| &entry.inputs);
-    let format = |location| match location {
-        0 | 1 => Some(wgpu::VertexFormat::Float32x3),
-        2 => Some(wgpu::VertexFormat::Float32x2),
-        3 => Some(wgpu::VertexFormat::Float32x4),
-        _ => None,
-    };
-    inputs
-        .iter()
-        .filter_map(|input| {
-            Some(wgpu::VertexAttribute {
-                format: format(input.location)?,
-                offset: 0,
-                shader_location: input.location,
-            })
-        })
-        .collect()
-}
-
 fn group_layouts(
-    gpu: &Gpu,
+    device: &wgpu::Device,
     permutation: &Permutation,
     unfiltered: &BTreeSet<String>,
-) -> Result<Vec<Option<wgpu::BindGroupLayout>>, RenderError> {
+) -> Result<Vec<Option<wgpu::BindGroupLayout>>, Error> {
     let reflection = &permutation.reflection;
-    let limit = gpu.device.limits().max_bind_groups;
+    let limit = device.limits().max_bind_groups;
     let mut bindings = reflection.bindings.iter();
     if let Some(beyond) = bindings.find(|binding| binding.group >= limit) {
         let problem = format!(
             "group {} is beyond the device's {limit} groups",
             beyond.group
         );
-        return Err(RenderError::binding(&permutation.key, beyond, problem));
+        return Err(Error::binding(&permutation.key, beyond, problem));
     }
     let mut layouts = Vec::new();
     for (group, bindings) in reflection.groups().into_iter().enumerate() {
         let mut entries = Vec::new();
         for binding in bindings {
-            let unfiltered = group <= 1 && unfiltered.contains(&binding.name);
+            let unfiltered = unfiltered.contains(&binding.name);
             let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
                 let problem = "no pass has such a resource to give";
-                RenderError::binding(&permutation.key, binding, problem)
+                Error::binding(&permutation.key, binding, problem)
             })?;
             entries.push(wgpu::BindGroupLayoutEntry {
                 binding: binding.binding,
@@ -301,11 +268,10 @@ fn group_layouts(
             });
         }
         layouts.push((!entries.is_empty()).then(|| {
-            gpu.device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some(&format!("group {group} of {}", permutation.key)),
-                    entries: &entries,
-                })
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(&format!("group {group} of {}", permutation.key)),
+                entries: &entries,
+            })
         }));
     }
     Ok(layouts)
@@ -387,7 +353,7 @@ fn view_dimension(dimension: TextureDimension) -> wgpu::TextureViewDimension {
 }
 
 /// The formats of floats that WebGPU's baseline can store to.
-pub(super) const STORED: [wgpu::TextureFormat; 3] = [
+pub const STORED: [wgpu::TextureFormat; 3] = [
     wgpu::TextureFormat::R32Float,
     wgpu::TextureFormat::Rgba16Float,
     wgpu::TextureFormat::Rgba32Float,

@@ -1,0 +1,143 @@
+//! Binds what a shader reads, by the names that its reflection gives.
+
+use umbrage_compose::{Binding, BindingKind, Key};
+use umbrage_shadow::{Constants, Value};
+
+use crate::{Error, Program, ShadowResources, device, pack, pack_buffer};
+
+/// A device and its queue.
+pub type Gpu<'a> = (&'a wgpu::Device, &'a wgpu::Queue);
+
+/// What is bound.
+#[derive(Clone, Debug)]
+pub enum Resource {
+    /// All of a buffer.
+    Buffer(wgpu::Buffer),
+    /// A view of a texture.
+    Texture(wgpu::TextureView),
+    /// A sampler.
+    Sampler(wgpu::Sampler),
+}
+
+impl Resource {
+    /// A uniform buffer with the values that the block of `binding` reads of `constants`.
+    ///
+    /// # Errors
+    /// A binding of another kind; a member without a value, or with one of another type.
+    pub fn uniform(
+        gpu: Gpu<'_>,
+        key: &Key,
+        binding: &Binding,
+        constants: &Constants,
+    ) -> Result<Self, Error> {
+        let BindingKind::Uniform(layout) = &binding.kind else {
+            return Err(Error::binding(
+                key,
+                binding,
+                "a uniform buffer was expected",
+            ));
+        };
+        let bytes = pack(layout, constants).map_err(|e| Error::binding(key, binding, e))?;
+        let usage = wgpu::BufferUsages::UNIFORM;
+        Ok(Self::Buffer(device::buffer(
+            gpu,
+            &binding.name,
+            usage,
+            &bytes,
+        )?))
+    }
+
+    /// A storage buffer that holds `value` as `binding` lays it out.
+    ///
+    /// # Errors
+    /// A binding of another kind; a value of another type.
+    pub fn storage(
+        gpu: Gpu<'_>,
+        key: &Key,
+        binding: &Binding,
+        value: &Value,
+    ) -> Result<Self, Error> {
+        let BindingKind::Storage {
+            layout, run_time, ..
+        } = &binding.kind
+        else {
+            let problem = "a storage buffer was expected";
+            return Err(Error::binding(key, binding, problem));
+        };
+        let bytes = pack_buffer(&binding.name, (layout, *run_time), value)
+            .map_err(|error| Error::binding(key, binding, error))?;
+        let usage = wgpu::BufferUsages::STORAGE;
+        Ok(Self::Buffer(device::buffer(
+            gpu,
+            &binding.name,
+            usage,
+            &bytes,
+        )?))
+    }
+}
+
+impl ShadowResources {
+    /// What the shadow gives for `binding`; none where it has nothing of that name.
+    ///
+    /// # Errors
+    /// A value of another type than the shader's.
+    pub fn resource(
+        &self,
+        gpu: Gpu<'_>,
+        key: &Key,
+        binding: &Binding,
+    ) -> Result<Option<Resource>, Error> {
+        let name = binding.name.as_str();
+        Ok(match &binding.kind {
+            BindingKind::Uniform(_) => Some(Resource::uniform(gpu, key, binding, &self.constants)?),
+            BindingKind::Storage { .. } => match self.buffers.get(name) {
+                Some(value) => Some(Resource::storage(gpu, key, binding, value)?),
+                None => None,
+            },
+            BindingKind::Sampler { .. } => {
+                let found = self.samplers.get(name);
+                found.map(|(_, sampler)| Resource::Sampler(sampler.clone()))
+            }
+            _ => {
+                let found = self.textures.get(name);
+                found.map(|(_, view)| Resource::Texture(view.clone()))
+            }
+        })
+    }
+}
+
+impl Program {
+    /// The bind group number `group`, each binding as `resource` gives it; none where the shader reads nothing of it.
+    ///
+    /// # Errors
+    /// Those of `resource`.
+    pub fn bind<E>(
+        &self,
+        device: &wgpu::Device,
+        group: usize,
+        mut resource: impl FnMut(&Binding) -> Result<Resource, E>,
+    ) -> Result<Option<wgpu::BindGroup>, E> {
+        let Some(layout) = self.groups.get(group).and_then(Option::as_ref) else {
+            return Ok(None);
+        };
+        let bindings = self.bindings(group);
+        let resources = bindings.map(|binding| Ok((binding.binding, resource(binding)?)));
+        let resources = resources.collect::<Result<Vec<_>, E>>()?;
+        let entries: Vec<_> = resources
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: match resource {
+                    Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                    Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+                    Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
+                },
+            })
+            .collect();
+        Ok(Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("bindings"),
+            layout,
+            entries: &entries,
+        })))
+    }
+}

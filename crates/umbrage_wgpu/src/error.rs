@@ -1,0 +1,93 @@
+use std::error::Error as StdError;
+
+use umbrage_compose::{Binding, Key};
+use umbrage_shadow::PlanError;
+
+/// Why a shadow could not be had.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A permutation could not be composed.
+    #[error(transparent)]
+    Compose(#[from] umbrage_compose::Error),
+    /// Something is larger than the device allows.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// A part could not plan.
+    #[error("light `{light}`: {source}")]
+    Plan {
+        /// The light.
+        light: String,
+        /// Why.
+        source: PlanError,
+    },
+    /// A part needs what the device does not have.
+    #[error(
+        "light `{light}`, method `{method}`: what is chosen needs {features}, which the device does not have; choose \
+         {instead}"
+    )]
+    Missing {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// Names of features, as WebGPU has them.
+        features: String,
+        /// What to choose in its place.
+        instead: String,
+    },
+    /// A plan asks for what cannot be done: a part is at fault.
+    #[error(
+        "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"
+    )]
+    BadPlan {
+        /// The method.
+        method: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A permutation reads what nobody gives it.
+    #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]
+    Binding {
+        /// The permutation.
+        key: String,
+        /// The binding.
+        binding: String,
+        /// The module that declares it.
+        module: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The engine could not draw its casters.
+    #[error("light `{light}`: its casters cannot be drawn: {source}")]
+    Casters {
+        /// The light.
+        light: String,
+        /// Why.
+        source: Box<dyn StdError + Send + Sync>,
+    },
+}
+
+/// Something is larger than the device allows.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} has {size}, but the device allows from 1 to {limit}; change its size")]
+pub struct TooLarge {
+    /// What.
+    pub what: String,
+    /// Its size, with the unit.
+    pub size: String,
+    /// The most allowed.
+    pub limit: u64,
+}
+
+impl Error {
+    /// What is wrong with a binding of a permutation.
+    pub fn binding(key: &Key, binding: &Binding, problem: impl ToString) -> Self {
+        Self::Binding {
+            key: key.to_string(),
+            binding: binding.name.clone(),
+            module: binding.module.clone(),
+            problem: problem.to_string(),
+        }
+    }
+}

@@ -1,0 +1,844 @@
+//! Executes plans.
+
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    sync::Arc,
+};
+
+use umbrage_compose::{Binding, BindingKind, Composed, Composer, Permutation, ProjectedKey};
+use umbrage_shadow::{
+    Blend, CasterPass, ColorTarget, ComputePass, Constants, DepthTarget, Frame, LightKind,
+    MAX_REGIONS, Pass, Region, ScreenPass, ShadowPlan, TextureDesc, TextureShape, Viewport,
+};
+
+use crate::{
+    CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Host, Identity, MAX,
+    Pipeline, Program, Resource, ShadowResources, Times,
+    record::{self, Memory, Record},
+    resources::{self, unfiltered},
+};
+
+/// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
+pub struct Executor {
+    shared: Shared,
+    lights: BTreeMap<u64, Memory>,
+}
+
+/// A light's shadow, asked for.
+pub struct Job<'a> {
+    /// The light, the same number from frame to frame.
+    pub light: u64,
+    /// The light's name, for errors.
+    pub name: &'a str,
+    /// The parts that make its shadow, and what is chosen for them.
+    pub shadow: &'a CheckedShadow<'a>,
+    /// What they plan for.
+    pub frame: &'a Frame<'a>,
+    /// Which casters these are: one for each of the frame's.
+    pub casters: &'a [Identity],
+    /// Values for axes of the shader library in all passes, before the parts' own.
+    pub choices: &'a [(&'a str, &'a str)],
+    /// Members of the uniform block `light`, where passes read one.
+    pub constants: &'a Constants,
+}
+
+/// What a plan came to.
+pub struct Executed {
+    /// What the light's shaders read.
+    pub resources: ShadowResources,
+    /// The plan, and for each of its passes what became of it.
+    pub plan: ShadowPlan,
+    /// In the order of the plan's passes.
+    pub runs: Vec<Run>,
+}
+
+/// What became of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Run {
+    /// What it would fill stands there already.
+    Kept,
+    /// It was recorded.
+    Recorded,
+}
+
+/// Values of axes: the first ones, and those that take their place.
+#[derive(Clone, Copy)]
+pub(crate) struct Choices<'a>(pub(crate) &'a [(&'a str, &'a str)]);
+
+impl<'a> Choices<'a> {
+    pub(crate) fn iter(self) -> impl Iterator<Item = (&'a str, &'a str)> {
+        self.0.iter().copied()
+    }
+}
+
+/// Vertex buffers, as a pipeline has them.
+type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
+
+/// A device, and what was made for it.
+pub(crate) struct Shared {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    composer: Arc<Composer>,
+    pipelines: HashMap<(ProjectedKey, DrawState, Vertices), Arc<Pipeline>>,
+    computations: HashMap<(ProjectedKey, BTreeSet<String>), Arc<Computation>>,
+}
+
+impl Shared {
+    pub(crate) fn gpu(&self) -> Gpu<'_> {
+        (&self.device, &self.queue)
+    }
+
+    pub(crate) fn compose<'a>(
+        &self,
+        choices: impl Iterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Composed, Error> {
+        // Of two values for one axis, the later one counts.
+        let choices: BTreeMap<_, _> = choices.collect();
+        let key = self.composer.library().key(choices)?;
+        Ok(self.composer.compose(&key)?)
+    }
+
+    pub(crate) fn pipeline(
+        &mut self,
+        permutation: &Arc<Permutation>,
+        state: DrawState,
+        vertices: &[wgpu::VertexBufferLayout<'_>],
+    ) -> Result<Arc<Pipeline>, Error> {
+        let owned = vertices.iter();
+        let owned = owned.map(|v| (v.array_stride, v.step_mode, v.attributes.to_vec()));
+        let id = (permutation.key.clone(), state, owned.collect());
+        if let Some(known) = self.pipelines.get(&id) {
+            return Ok(Arc::clone(known));
+        }
+        let made = Pipeline::new(&self.device, Arc::clone(permutation), &id.1, vertices)?;
+        let made = Arc::new(made);
+        self.pipelines.insert(id, Arc::clone(&made));
+        Ok(made)
+    }
+
+    fn computation(
+        &mut self,
+        permutation: &Arc<Permutation>,
+        unfiltered: BTreeSet<String>,
+    ) -> Result<Arc<Computation>, Error> {
+        let id = (permutation.key.clone(), unfiltered);
+        if let Some(known) = self.computations.get(&id) {
+            return Ok(Arc::clone(known));
+        }
+        let made = Computation::new(&self.device, Arc::clone(permutation), &id.1)?;
+        let made = Arc::new(made);
+        self.computations.insert(id, Arc::clone(&made));
+        Ok(made)
+    }
+}
+
+impl Executor {
+    /// An executor for `device`, whose passes' permutations come from `composer`.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, composer: Arc<Composer>) -> Self {
+        Self {
+            shared: Shared {
+                device: device.clone(),
+                queue: queue.clone(),
+                composer,
+                pipelines: HashMap::new(),
+                computations: HashMap::new(),
+            },
+            lights: BTreeMap::new(),
+        }
+    }
+
+    /// The light's shadow: its parts plan, and what does not stand yet of their plan is recorded into `encoder`.
+    ///
+    /// # Errors
+    /// What the parts refuse, a plan that cannot be executed, faults of shaders, and what `host` says. The light is
+    /// forgotten then; what was recorded for it does no harm.
+    pub fn shadow(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        job: &Job<'_>,
+        host: &mut dyn Host,
+    ) -> Result<Executed, Error> {
+        // Put back once all is recorded.
+        let memory = self.lights.remove(&job.light).unwrap_or_default();
+        let plan = job.shadow.method().plan(job.frame);
+        let plan = plan.map_err(|source| Error::Plan {
+            light: job.name.to_owned(),
+            source,
+        })?;
+        check_regions(job.shadow, &plan.regions)?;
+        self.check_needs(job, &plan)?;
+        let mut execution = Execution::new(&mut self.shared, job, memory, &plan)?;
+        let runs = execution.run(encoder, &plan, host)?;
+        let Execution {
+            memory,
+            mut resources,
+            ..
+        } = execution;
+        resources.constants = plan.constants.clone();
+        resources.regions = plan.regions.clone();
+        self.lights.insert(job.light, memory);
+        Ok(Executed {
+            resources,
+            plan,
+            runs,
+        })
+    }
+
+    /// Lets go of all that was made for the lights that `is_kept` does not hold for.
+    pub fn retain(&mut self, mut is_kept: impl FnMut(u64) -> bool) {
+        self.lights.retain(|light, _| is_kept(*light));
+    }
+
+    /// Has everything be drawn anew for `light`: for one whose recorded passes were not submitted. Its textures are kept.
+    pub fn forget(&mut self, light: u64) {
+        if let Some(memory) = self.lights.get_mut(&light) {
+            memory.drawn.clear();
+            memory.contents.clear();
+        }
+    }
+
+    /// Lets go of all lights and pipelines.
+    pub fn clear(&mut self) {
+        self.lights.clear();
+        self.shared.pipelines.clear();
+        self.shared.computations.clear();
+    }
+
+    /// The pipeline that draws vertices in buffers of these layouts with `permutation`; made once.
+    ///
+    /// # Errors
+    /// A binding that no render pass can have.
+    pub fn pipeline(
+        &mut self,
+        permutation: &Arc<Permutation>,
+        state: DrawState,
+        vertices: &[wgpu::VertexBufferLayout<'_>],
+    ) -> Result<Arc<Pipeline>, Error> {
+        self.shared.pipeline(permutation, state, vertices)
+    }
+
+    /// The pipeline that runs `permutation`, in which `unfiltered` names what is not to be filtered; made once.
+    ///
+    /// # Errors
+    /// A binding that no compute pass can have.
+    pub fn computation(
+        &mut self,
+        permutation: &Arc<Permutation>,
+        unfiltered: BTreeSet<String>,
+    ) -> Result<Arc<Computation>, Error> {
+        self.shared.computation(permutation, unfiltered)
+    }
+
+    /// All render pipelines that were made.
+    pub fn pipelines(&self) -> impl Iterator<Item = &Arc<Pipeline>> {
+        self.shared.pipelines.values()
+    }
+
+    /// The textures that stand for lights.
+    pub fn textures(&self) -> impl Iterator<Item = &wgpu::Texture> {
+        let lights = self.lights.values();
+        lights.flat_map(|memory| memory.textures.values().map(|(_, texture)| texture))
+    }
+
+    /// Whether the device has what the plan needs.
+    fn check_needs(&self, job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+        let there = self.shared.device.features();
+        let mut needs = plan.needs.iter();
+        let Some(need) = needs.find(|need| !there.contains(need.features)) else {
+            return Ok(());
+        };
+        let missing = (need.features - there).iter_names();
+        let missing: Vec<_> = missing
+            .map(|(name, _)| name.to_lowercase().replace('_', "-"))
+            .collect();
+        Err(Error::Missing {
+            light: job.name.to_owned(),
+            method: job.shadow.method().name().to_owned(),
+            features: missing.join(", "),
+            instead: need.instead.clone(),
+        })
+    }
+}
+
+/// A plan under way.
+struct Execution<'a> {
+    shared: &'a mut Shared,
+    job: &'a Job<'a>,
+    memory: Memory,
+    resources: ShadowResources,
+    /// Textures that hold nothing yet, or were uploaded anew.
+    new: BTreeSet<String>,
+    /// Values of axes for passes without casters.
+    choices: Vec<(&'a str, &'a str)>,
+    /// Colour textures that a pass has filled in part, or whole: only the first one into a texture clears it.
+    filled: BTreeSet<String>,
+}
+
+/// Where a pass is recorded, and where its times are noted.
+type Recording<'a> = (&'a mut wgpu::CommandEncoder, Option<&'a Times>);
+
+/// A pass that is to be run, and its shader where it draws no caster.
+type Ready = (Record, Option<Composed>);
+
+impl<'a> Execution<'a> {
+    fn new(
+        shared: &'a mut Shared,
+        job: &'a Job<'a>,
+        mut memory: Memory,
+        plan: &ShadowPlan,
+    ) -> Result<Self, Error> {
+        let (textures, mut new) = resources::textures(
+            &shared.device,
+            &memory.textures,
+            job.shadow,
+            (job.name, plan),
+        )?;
+        memory.textures = textures;
+        memory.contents.retain(|name, _| !new.contains(name));
+        for contents in &plan.contents {
+            if memory.contents.get(&contents.texture) == Some(&contents.bytes) {
+                continue;
+            }
+            if let Some(texture) = memory.textures.get(&contents.texture) {
+                resources::upload(&shared.queue, texture, contents);
+            }
+            let (name, bytes) = (contents.texture.clone(), contents.bytes.clone());
+            new.insert(name.clone());
+            memory.contents.insert(name, bytes);
+        }
+        let resources = resources::resources(&shared.device, plan, &memory.textures);
+        let own = [
+            ("light", kind_name(&job.frame.light.kind)),
+            ("method", job.shadow.method().name()),
+        ];
+        let axes = job.shadow.axes.iter();
+        let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));
+        let choices = job.choices.iter().copied().chain(own).chain(axes).collect();
+        Ok(Self {
+            shared,
+            job,
+            memory,
+            resources,
+            new,
+            choices,
+            filled: BTreeSet::new(),
+        })
+    }
+
+    fn run(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        plan: &ShadowPlan,
+        host: &mut dyn Host,
+    ) -> Result<Vec<Run>, Error> {
+        let passes = plan.passes.iter();
+        let ready = passes.map(|pass| self.ready(pass, plan, host));
+        let ready = ready.collect::<Result<Vec<Ready>, Error>>()?;
+        let reads: Vec<_> = ready.iter().map(reads).collect();
+        let records: Vec<_> = ready.iter().map(|(record, _)| record.clone()).collect();
+        let wanted = record::by_layer(&records);
+        let drawn = std::mem::take(&mut self.memory.drawn);
+        let stale = record::stale(plan, (&wanted, &drawn), &reads, &self.new);
+        let mut runs = Vec::with_capacity(stale.len());
+        for ((pass, (_, composed)), stale) in plan.passes.iter().zip(&ready).zip(stale) {
+            runs.push(if stale { Run::Recorded } else { Run::Kept });
+            if !stale {
+                continue;
+            }
+            let times = host.times(pass);
+            let times = times.as_ref();
+            match (pass, composed) {
+                (Pass::Casters(pass), _) => self.draw_casters((encoder, times), pass, host)?,
+                (Pass::Screen(pass), Some(composed)) => {
+                    self.draw_screen((encoder, times), pass, composed)?;
+                }
+                (Pass::Compute(pass), Some(composed)) => {
+                    self.compute((encoder, times), pass, composed)?;
+                }
+                _ => return Err(self.bad("a pass of a kind that is not known here")),
+            }
+        }
+        self.memory.drawn = wanted;
+        Ok(runs)
+    }
+
+    /// What `pass` depends on, and its shader where it draws no caster. Whatever can be refused before anything is recorded is.
+    fn ready(&self, pass: &Pass, plan: &ShadowPlan, host: &mut dyn Host) -> Result<Ready, Error> {
+        let mut record = Record {
+            pass: pass.clone(),
+            origin: self.job.frame.view.position,
+            casters: Vec::new(),
+            choices: Vec::new(),
+            shader: None,
+        };
+        if let Pass::Casters(pass) = pass {
+            if pass.depth.is_none() && pass.color.is_none() {
+                return Err(self.bad("casters into no texture"));
+            }
+            if !pass.view_proj.is_finite() {
+                return Err(self.bad("casters under a matrix that is not finite"));
+            }
+            let casters = pass
+                .casters
+                .iter()
+                .map(|i| self.job.casters.get(*i).copied());
+            let casters = casters.collect::<Option<Vec<_>>>();
+            record.casters = casters.ok_or_else(|| self.bad("a caster that there is not"))?;
+            let choices = self.job.choices.iter();
+            record.choices = choices
+                .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
+                .collect();
+            return Ok((record, None));
+        }
+        let choices = [("pass", pass.shader())];
+        let choices = self.choices.iter().copied().chain(choices);
+        let composed = self.shared.compose(choices)?;
+        host.composed(pass.shader(), &composed);
+        if let Pass::Compute(pass) = pass {
+            // One that writes nothing is never run.
+            self.check_compute(pass, &composed.permutation)?;
+        }
+        record.shader = Some((
+            composed.permutation.key.clone(),
+            self.job.constants.clone(),
+            plan.samplers.clone(),
+            plan.buffers.clone(),
+        ));
+        Ok((record, Some(composed)))
+    }
+
+    fn draw_casters(
+        &mut self,
+        (encoder, times): Recording<'_>,
+        pass: &CasterPass,
+        host: &mut dyn Host,
+    ) -> Result<(), Error> {
+        let depth = match &pass.depth {
+            Some(target) => Some((target, self.depth_target(target, &pass.viewport)?)),
+            None => None,
+        };
+        let color = match &pass.color {
+            Some(target) => {
+                let size = depth.as_ref().map(|(_, (desc, _))| desc);
+                let found = self.color_target(target, size, &pass.viewport)?;
+                Some((found, self.filled.insert(target.texture.clone())))
+            }
+            None => None,
+        };
+        let state = DrawState {
+            color: color.as_ref().map(|((state, _), _)| *state),
+            depth: depth.as_ref().map(|(_, (desc, _))| desc.format),
+            compare: pass
+                .depth
+                .as_ref()
+                .map_or(wgpu::CompareFunction::Always, |depth| depth.compare),
+            write_depth: depth.is_some(),
+            cull: pass.cull,
+            ..DrawState::NOTHING
+        };
+        let colors = color
+            .as_ref()
+            .map(|((_, view), clear)| attachment(view, *clear));
+        let depths = depth.as_ref().map(|(target, (_, view))| {
+            let load = target.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
+            depth_attachment(view, load)
+        });
+        let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(&pass.shader),
+            color_attachments: colors.as_slice(),
+            depth_stencil_attachment: depths,
+            timestamp_writes: times.map(render_times),
+            ..Default::default()
+        });
+        set_viewport(&mut recorded, &pass.viewport);
+        let mut casters = pass.casters.clone();
+        casters.sort_unstable();
+        casters.dedup();
+        let mut draws = Draws {
+            shared: &mut *self.shared,
+            pass: recorded,
+            shader: &pass.shader,
+            choices: Choices(self.job.choices),
+            state,
+            view_proj: pass.view_proj,
+            groups: HashMap::new(),
+        };
+        host.draw(&casters, &mut draws)
+            .map_err(|source| match source.downcast::<Error>() {
+                // Its own words say what is wrong.
+                Ok(own) => *own,
+                Err(source) => Error::Casters {
+                    light: self.job.name.to_owned(),
+                    source,
+                },
+            })
+    }
+
+    fn draw_screen(
+        &mut self,
+        (encoder, times): Recording<'_>,
+        pass: &ScreenPass,
+        composed: &Composed,
+    ) -> Result<(), Error> {
+        let (desc, texture) = self.target(&pass.target)?;
+        self.check_viewport(&pass.viewport, &desc)?;
+        let deep = is_depth(desc.format);
+        if !deep && !is_floats(&desc) {
+            let problem = format!(
+                "what is computed into `{}`, which is not one rectangle of floats or of depth ({:?})",
+                desc.name, desc.format
+            );
+            return Err(self.bad(&problem));
+        }
+        let given = self.resources.given_to(&pass.reads);
+        let state = DrawState {
+            color: (!deep).then_some(ColorState {
+                format: desc.format,
+                blend: None,
+                channels: wgpu::ColorWrites::ALL,
+            }),
+            depth: deep.then_some(desc.format),
+            write_depth: deep,
+            unfiltered: unfiltered(Some(&given)),
+            ..DrawState::NOTHING
+        };
+        let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
+        let groups = self.groups(&pipeline.program, &given)?;
+        let view = texture.create_view(&Default::default());
+        let clear = self.filled.insert(pass.target.clone());
+        let load = match clear {
+            true => wgpu::LoadOp::Clear(0.0),
+            false => wgpu::LoadOp::Load,
+        };
+        let colors = [(!deep).then(|| attachment(&view, clear)).flatten()];
+        let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(&pass.shader),
+            color_attachments: if deep { &[] } else { &colors },
+            depth_stencil_attachment: deep.then(|| depth_attachment(&view, load)),
+            timestamp_writes: times.map(render_times),
+            ..Default::default()
+        });
+        set_viewport(&mut recorded, &pass.viewport);
+        recorded.set_pipeline(&pipeline.pipeline);
+        for (group, bound) in &groups {
+            recorded.set_bind_group(*group, bound, &[]);
+        }
+        recorded.draw(0..3, 0..1);
+        Ok(())
+    }
+
+    fn compute(
+        &mut self,
+        (encoder, times): Recording<'_>,
+        pass: &ComputePass,
+        composed: &Composed,
+    ) -> Result<(), Error> {
+        let given = self.resources.given_to(&pass.reads);
+        let unfiltered = unfiltered(Some(&given));
+        let computation = self.shared.computation(&composed.permutation, unfiltered)?;
+        let groups = self.groups(&computation.program, &given)?;
+        let mut recorded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(&pass.shader),
+            timestamp_writes: times.map(|(set, [begin, end])| wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(*begin),
+                end_of_pass_write_index: Some(*end),
+            }),
+        });
+        recorded.set_pipeline(&computation.pipeline);
+        for (group, bound) in &groups {
+            recorded.set_bind_group(*group, bound, &[]);
+        }
+        let [x, y, z] = pass.workgroups;
+        recorded.dispatch_workgroups(x, y, z);
+        Ok(())
+    }
+
+    /// What a shader reads that draws no caster.
+    fn groups(
+        &self,
+        program: &Program,
+        given: &ShadowResources,
+    ) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
+        let gpu = self.shared.gpu();
+        let key = &program.permutation.key;
+        let mut resource = |binding: &Binding| {
+            if binding.name == "light" {
+                return Resource::uniform(gpu, key, binding, self.job.constants);
+            }
+            let found = given.resource(gpu, key, binding)?;
+            found.ok_or_else(|| {
+                let problem =
+                    "the shader reads it, but it is none of what its light and shadow method give";
+                Error::binding(key, binding, problem)
+            })
+        };
+        let mut groups = Vec::new();
+        for group in 0..program.groups.len() {
+            let bound = program.bind(gpu.0, group, &mut resource)?;
+            groups.extend(bound.map(|bound| (group as u32, bound)));
+        }
+        Ok(groups)
+    }
+
+    fn bad(&self, problem: &str) -> Error {
+        bad_plan(self.job.shadow, problem)
+    }
+
+    /// A texture of the plan.
+    fn target(&self, name: &str) -> Result<(TextureDesc, wgpu::Texture), Error> {
+        let found = self.memory.textures.get(name).cloned();
+        found.ok_or_else(|| {
+            let problem = format!("the target `{name}`, which is none of its textures");
+            self.bad(&problem)
+        })
+    }
+
+    /// Whether a viewport lies in a texture.
+    fn check_viewport(&self, area: &Viewport, desc: &TextureDesc) -> Result<(), Error> {
+        let inside = |start: u32, extent: u32, all: u32| {
+            extent > 0 && start.checked_add(extent).is_some_and(|end| end <= all)
+        };
+        if inside(area.x, area.width, desc.width) && inside(area.y, area.height, desc.height) {
+            return Ok(());
+        }
+        let problem = format!(
+            "what is drawn into {area:?}, outside the {} by {} texels of `{}`",
+            desc.width, desc.height, desc.name
+        );
+        Err(self.bad(&problem))
+    }
+
+    /// The depth texture that a pass draws into.
+    fn depth_target(
+        &self,
+        target: &DepthTarget,
+        viewport: &Viewport,
+    ) -> Result<(TextureDesc, wgpu::TextureView), Error> {
+        let (desc, texture) = self.target(&target.texture)?;
+        self.check_viewport(viewport, &desc)?;
+        let problem = if !is_depth(desc.format) {
+            format!(
+                "casters into `{}`, whose format {:?} is not of depth alone",
+                desc.name, desc.format
+            )
+        } else if target.layer >= desc.shape.layers() {
+            format!("casters into layer {} of `{}`", target.layer, desc.name)
+        } else {
+            let view = texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: target.layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            });
+            return Ok((desc, view));
+        };
+        Err(self.bad(&problem))
+    }
+
+    /// The colour texture that a pass draws into, as large as `depth`, where it has that as well.
+    fn color_target(
+        &self,
+        color: &ColorTarget,
+        depth: Option<&TextureDesc>,
+        viewport: &Viewport,
+    ) -> Result<(ColorState, wgpu::TextureView), Error> {
+        let name = &color.texture;
+        let (desc, texture) = self.target(name)?;
+        let format = desc.format;
+        if !is_floats(&desc) {
+            let problem = format!(
+                "a colour into `{name}`, which is not one rectangle of floats ({format:?})"
+            );
+            return Err(self.bad(&problem));
+        }
+        if let Some(depth) = depth
+            && [desc.width, desc.height] != [depth.width, depth.height]
+        {
+            let problem = format!(
+                "a colour into the {} by {} texels of `{name}` and depth into the {} by {} of `{}`: both must be as large",
+                desc.width, desc.height, depth.width, depth.height, depth.name
+            );
+            return Err(self.bad(&problem));
+        }
+        let there = wgpu::ColorWrites::from_bits_truncate((1 << format.components()) - 1);
+        if color.channels.is_empty() || !there.contains(color.channels) {
+            let (wanted, there) = (channel_names(color.channels), channel_names(there));
+            let problem = format!(
+                "a colour into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
+            );
+            return Err(self.bad(&problem));
+        }
+        self.check_viewport(viewport, &desc)?;
+        let state = ColorState {
+            format,
+            blend: match color.blend {
+                Blend::Replace => None,
+                Blend::Max => Some(MAX),
+            },
+            channels: color.channels,
+        };
+        Ok((state, texture.create_view(&Default::default())))
+    }
+
+    /// Whether a compute pass can be run, and writes what it says.
+    fn check_compute(&self, pass: &ComputePass, permutation: &Permutation) -> Result<(), Error> {
+        let limits = self.shared.device.limits();
+        let limit = limits.max_compute_workgroups_per_dimension;
+        if pass.workgroups.iter().any(|n| !(1..=limit).contains(n)) {
+            let problem = format!(
+                "{:?} workgroups of `{}`, where the device allows from 1 to {limit} each way",
+                pass.workgroups, pass.shader
+            );
+            return Err(self.bad(&problem));
+        }
+        for name in &pass.writes {
+            self.target(name)?;
+        }
+        self.check_stores(pass, permutation)
+    }
+
+    /// Whether all that a compute shader stores to is among what its pass says that it writes.
+    fn check_stores(&self, pass: &ComputePass, permutation: &Permutation) -> Result<(), Error> {
+        let bindings = permutation.reflection.bindings.iter();
+        let stored = bindings.filter(|b| matches!(b.kind, BindingKind::StorageTexture { .. }));
+        for name in stored.map(|binding| &binding.name) {
+            let texture = named(&pass.reads.renamed, name);
+            if pass.writes.iter().all(|written| written != texture) {
+                let problem = format!(
+                    "`{}` stores to `{texture}`, which is not among what it `writes`",
+                    pass.shader
+                );
+                return Err(self.bad(&problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The textures that a pass without casters reads.
+fn reads((record, composed): &Ready) -> BTreeSet<String> {
+    let reads = match &record.pass {
+        Pass::Screen(pass) => &pass.reads,
+        Pass::Compute(pass) => &pass.reads,
+        _ => return BTreeSet::new(),
+    };
+    let reflection = composed.iter().map(|c| &c.permutation.reflection);
+    let bindings = reflection.flat_map(|reflection| &reflection.bindings);
+    let textures = bindings.filter(|b| matches!(b.kind, BindingKind::Texture { .. }));
+    textures
+        .map(|binding| named(&reads.renamed, &binding.name).to_owned())
+        .collect()
+}
+
+/// The texture that a pass has for a binding.
+fn named<'a>(renamed: &'a [(String, String)], binding: &'a str) -> &'a str {
+    let found = renamed.iter().find(|(from, _)| from == binding);
+    found.map_or(binding, |(_, texture)| texture)
+}
+
+fn kind_name(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Directional { .. } => "directional",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Point { .. } => "point",
+    }
+}
+
+fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
+    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|n| n as f32);
+    pass.set_viewport(x, y, width, height, 0.0, 1.0);
+}
+
+/// Whether a format is of depth alone.
+fn is_depth(format: wgpu::TextureFormat) -> bool {
+    format.has_depth_aspect() && !format.has_stencil_aspect()
+}
+
+/// Whether a texture is one rectangle of floats that can be drawn into.
+fn is_floats(desc: &TextureDesc) -> bool {
+    let sample = desc.format.sample_type(None, None);
+    let floats = matches!(sample, Some(wgpu::TextureSampleType::Float { .. }));
+    floats && desc.format.has_color_aspect() && desc.shape == TextureShape::D2
+}
+
+fn channel_names(channels: wgpu::ColorWrites) -> String {
+    let names = [(1, 'r'), (2, 'g'), (4, 'b'), (8, 'a')].into_iter();
+    let set = names.filter(|(bit, _)| channels.bits() & bit != 0);
+    set.map(|(_, name)| name).collect()
+}
+
+fn render_times((set, [begin, end]): &Times) -> wgpu::RenderPassTimestampWrites<'_> {
+    wgpu::RenderPassTimestampWrites {
+        query_set: set,
+        beginning_of_pass_write_index: Some(*begin),
+        end_of_pass_write_index: Some(*end),
+    }
+}
+
+/// A colour's attachment; cleared to 0, the farthest, or kept.
+fn attachment(
+    view: &wgpu::TextureView,
+    clear: bool,
+) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let load = match clear {
+        true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+        false => wgpu::LoadOp::Load,
+    };
+    Some(wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    })
+}
+
+fn depth_attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<f32>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+pub(crate) fn bad_plan(shadow: &CheckedShadow<'_>, problem: &str) -> Error {
+    Error::BadPlan {
+        method: shadow.method().name().to_owned(),
+        problem: problem.to_owned(),
+    }
+}
+
+/// Whether regions of view depth follow each other, with axes of the chosen parts.
+fn check_regions(shadow: &CheckedShadow<'_>, regions: &[Region]) -> Result<(), Error> {
+    if regions.len() > MAX_REGIONS {
+        let problem = format!(
+            "{} regions of view depth: {MAX_REGIONS} at the most",
+            regions.len()
+        );
+        return Err(bad_plan(shadow, &problem));
+    }
+    let mut start = 0.0;
+    for Region { end, axes } in regions {
+        // NaN is not beyond.
+        if !(*end > start && end.is_finite()) {
+            let problem = format!("a region of view depth from {start} m to {end} m");
+            return Err(bad_plan(shadow, &problem));
+        }
+        let known = shadow.choice.axes();
+        if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
+            let problem = format!("a region with the axis `{axis}`, which is none of its axes");
+            return Err(bad_plan(shadow, &problem));
+        }
+        start = *end;
+    }
+    Ok(())
+}

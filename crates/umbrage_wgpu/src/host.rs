@@ -1,0 +1,160 @@
+//! The engine's side of a plan: its casters.
+
+use std::{collections::HashMap, error::Error as StdError, sync::Arc};
+
+use glam::Mat4;
+use umbrage_compose::{Composed, Stage};
+use umbrage_shadow::{Constants, Pass};
+
+use crate::{
+    DrawState, Error, Pipeline, Resource,
+    execute::{Choices, Shared},
+    reads_facing,
+};
+
+/// Which caster it is, and in what state: a map is drawn again where either is another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Identity {
+    /// The caster, the same from frame to frame.
+    pub id: u64,
+    /// Its state: another whenever its mesh, its transform or its material is.
+    pub revision: u64,
+}
+
+/// A set of timestamps, and which of them are those of a pass's beginning and end.
+pub type Times = (wgpu::QuerySet, [u32; 2]);
+
+/// What an engine does while a plan is executed.
+pub trait Host {
+    /// Draws casters into a pass: those at these places of the [frame](umbrage_shadow::Frame::casters)'s list, ascending.
+    ///
+    /// # Errors
+    /// Whatever keeps the engine from drawing them; the light then has no shadow.
+    fn draw(
+        &mut self,
+        casters: &[usize],
+        draws: &mut Draws<'_, '_>,
+    ) -> Result<(), Box<dyn StdError + Send + Sync>>;
+
+    /// Where the times at the beginning and the end of `pass` are to be noted.
+    fn times(&mut self, pass: &Pass) -> Option<Times> {
+        let _ = pass;
+        None
+    }
+
+    /// A permutation was composed for the pass that runs `shader` and draws no caster.
+    fn composed(&mut self, shader: &str, composed: &Composed) {
+        let _ = (shader, composed);
+    }
+}
+
+/// A pass that casters are drawn into.
+pub struct Draws<'a, 'e> {
+    pub(crate) shared: &'a mut Shared,
+    pub(crate) pass: wgpu::RenderPass<'e>,
+    pub(crate) shader: &'a str,
+    pub(crate) choices: Choices<'a>,
+    pub(crate) state: DrawState,
+    pub(crate) view_proj: Mat4,
+    /// The groups that hold the pass's own block, by pipeline.
+    pub(crate) groups: HashMap<*const Pipeline, Vec<(u32, wgpu::BindGroup)>>,
+}
+
+/// A pipeline for casters, and how its shader was come by.
+#[derive(Clone)]
+pub struct Prepared {
+    /// The pipeline.
+    pub pipeline: Arc<Pipeline>,
+    /// Its permutation.
+    pub composed: Composed,
+    /// Which of the layouts the shader reads, in the order of its vertex buffers: the others it does not have.
+    pub vertices: Vec<usize>,
+}
+
+impl<'e> Draws<'_, 'e> {
+    /// The pipeline that draws casters with these values of the shader library's axes (of a material, say), whose vertices lie
+    /// in buffers of these layouts. Of a `mirrored` caster the fronts are wound the other way. Its shader has locations
+    /// and further groups as `package::passes::caster` says, or the engine's own module for the same pass.
+    ///
+    /// # Errors
+    /// Values that there are not, and faults of the shaders.
+    pub fn pipeline(
+        &mut self,
+        axes: &[(&str, &str)],
+        vertices: &[wgpu::VertexBufferLayout<'_>],
+        mirrored: bool,
+    ) -> Result<Prepared, Error> {
+        let pass = [("pass", self.shader)];
+        let axes = pass.iter().chain(axes).copied();
+        let composed = self.shared.compose(axes.chain(self.choices.iter()))?;
+        let mut state = self.state.clone();
+        // Where it makes no difference which side is the front, one pipeline serves both.
+        if mirrored && (state.cull.is_some() || reads_facing(&composed.permutation)) {
+            state.front = wgpu::FrontFace::Cw;
+        }
+        let entry = composed.permutation.reflection.entry_point(Stage::Vertex);
+        let inputs = entry.map_or(&[][..], |entry| &entry.inputs);
+        let is_read = |layout: &wgpu::VertexBufferLayout<'_>| {
+            let mut locations = layout.attributes.iter().map(|a| a.shader_location);
+            locations.any(|location| inputs.iter().any(|input| input.location == location))
+        };
+        let read = vertices
+            .iter()
+            .enumerate()
+            .filter(|(_, layout)| is_read(layout));
+        let (places, layouts): (Vec<_>, Vec<_>) = read.map(|(i, v)| (i, v.clone())).unzip();
+        let pipeline = (self.shared).pipeline(&composed.permutation, state, &layouts)?;
+        Ok(Prepared {
+            pipeline,
+            composed,
+            vertices: places,
+        })
+    }
+
+    /// Has the next draws use `pipeline`: sets it, and the group that holds the pass's block `frame`.
+    ///
+    /// # Errors
+    /// A block with members that no pass of casters gives.
+    pub fn set(&mut self, pipeline: &Arc<Pipeline>) -> Result<(), Error> {
+        self.pass.set_pipeline(&pipeline.pipeline);
+        let id = Arc::as_ptr(pipeline);
+        if !self.groups.contains_key(&id) {
+            let groups = self.own_groups(pipeline)?;
+            self.groups.insert(id, groups);
+        }
+        for (group, bound) in self.groups.get(&id).into_iter().flatten() {
+            self.pass.set_bind_group(*group, bound, &[]);
+        }
+        Ok(())
+    }
+
+    fn own_groups(&self, pipeline: &Pipeline) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
+        let program = &pipeline.program;
+        let key = &program.permutation.key;
+        let gpu = self.shared.gpu();
+        let constants = Constants::new().with("view_proj", self.view_proj);
+        let mut groups = Vec::new();
+        for group in 0..program.groups.len() {
+            if program.bindings(group).all(|b| b.name != FRAME) {
+                continue;
+            }
+            let bound = program.bind(gpu.0, group, |binding| match binding.name.as_str() {
+                FRAME => Resource::uniform(gpu, key, binding, &constants),
+                _ => {
+                    let problem = "the shader reads it beside `frame`, but a pass of casters gives nothing else";
+                    Err(Error::binding(key, binding, problem))
+                }
+            })?;
+            groups.extend(bound.map(|bound| (group as u32, bound)));
+        }
+        Ok(groups)
+    }
+
+    /// The pass itself, to set vertex buffers and other groups, and to draw.
+    pub fn pass(&mut self) -> &mut wgpu::RenderPass<'e> {
+        &mut self.pass
+    }
+}
+
+/// The binding of a pass's own block.
+const FRAME: &str = "frame";

@@ -1,0 +1,243 @@
+//! What a shadow method's shader reads, on the device: textures, samplers, buffers.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use umbrage_shadow::{
+    Constants, Contents, Pass, Reads, Region, SamplerDesc, ShadowPlan, TextureDesc, TextureShape,
+    Value,
+};
+
+use crate::{CheckedShadow, Error, device, execute::bad_plan, program::STORED};
+
+/// What `calc_shadow` reads, or a pass of its plan: each by the name of the binding that reads it.
+#[derive(Clone, Default)]
+pub struct ShadowResources {
+    /// Members of uniform blocks.
+    pub constants: Constants,
+    /// Textures with their formats.
+    pub textures: BTreeMap<String, (wgpu::TextureFormat, wgpu::TextureView)>,
+    /// Samplers with their descriptions.
+    pub samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
+    /// Storage buffers, not on the device yet: each shader may lay them out in its own way.
+    pub buffers: BTreeMap<String, Value>,
+    /// Where other permutations give the same.
+    pub regions: Vec<Region>,
+    /// Whether textures of 32 bits a channel may be filtered, beyond the baseline.
+    pub filters_all_floats: bool,
+}
+
+impl ShadowResources {
+    /// What a pass of the plan reads, under the names that it has for them.
+    pub fn given_to(&self, reads: &Reads) -> Self {
+        let mut given = self.clone();
+        given.constants = reads.constants.clone();
+        for (binding, texture) in &reads.renamed {
+            if let Some(found) = self.textures.get(texture) {
+                given.textures.insert(binding.clone(), found.clone());
+            }
+        }
+        given
+    }
+}
+
+/// A plan's textures by name.
+pub(crate) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
+
+/// The plan's textures, those of `kept` where they are the same; and the names of those that are new.
+pub(crate) fn textures(
+    device: &wgpu::Device,
+    kept: &Textures,
+    shadow: &CheckedShadow<'_>,
+    (light, plan): (&str, &ShadowPlan),
+) -> Result<(Textures, BTreeSet<String>), Error> {
+    use wgpu::TextureUsages as Usage;
+    let (mut textures, mut new) = (Textures::new(), BTreeSet::new());
+    for desc in &plan.textures {
+        let filled = match contents(shadow, plan, desc)? {
+            Some(_) => Usage::COPY_DST,
+            None => written(plan, &desc.name),
+        };
+        let usage = Usage::TEXTURE_BINDING | filled;
+        let stored = STORED.contains(&desc.format) && desc.shape == TextureShape::D2;
+        if usage.contains(Usage::STORAGE_BINDING) && !stored {
+            let problem = format!(
+                "the texture `{}` is written by a compute shader, but is not one rectangle in a format to store to ({:?})",
+                desc.name, desc.format
+            );
+            return Err(bad_plan(shadow, &problem));
+        }
+        let known = kept.get(&desc.name);
+        let known = known.filter(|(known, kept)| known == desc && kept.usage() == usage);
+        let texture = match known {
+            Some((_, texture)) => texture.clone(),
+            None => {
+                new.insert(desc.name.clone());
+                let what = format!("texture `{}` of light `{light}`", desc.name);
+                device::texture(device, &what, size(desc), 1, desc.format, usage)?
+            }
+        };
+        textures.insert(desc.name.clone(), (desc.clone(), texture));
+    }
+    let unknown = |contents: &&Contents| !textures.contains_key(&contents.texture);
+    if let Some(contents) = plan.contents.iter().find(unknown) {
+        let problem = format!(
+            "contents for `{}`, which is none of its textures",
+            contents.texture
+        );
+        return Err(bad_plan(shadow, &problem));
+    }
+    Ok((textures, new))
+}
+
+/// What shaders read of a plan, its constants and regions apart.
+pub(crate) fn resources(
+    device: &wgpu::Device,
+    plan: &ShadowPlan,
+    textures: &Textures,
+) -> ShadowResources {
+    let needs = |features| {
+        let mut needs = plan.needs.iter();
+        needs.any(|need| need.features.contains(features))
+    };
+    let mut resources = ShadowResources {
+        filters_all_floats: needs(wgpu::Features::FLOAT32_FILTERABLE),
+        ..ShadowResources::default()
+    };
+    for (desc, texture) in textures.values() {
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(match desc.shape {
+                TextureShape::D2 => wgpu::TextureViewDimension::D2,
+                TextureShape::Cube => wgpu::TextureViewDimension::Cube,
+            }),
+            ..Default::default()
+        });
+        resources
+            .textures
+            .insert(desc.name.clone(), (desc.format, view));
+    }
+    for desc in &plan.samplers {
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: desc.filter,
+            min_filter: desc.filter,
+            compare: desc.compare,
+            ..Default::default()
+        });
+        let sampler = (desc.clone(), sampler);
+        resources.samplers.insert(desc.name.clone(), sampler);
+    }
+    for desc in &plan.buffers {
+        let value = desc.value.clone();
+        resources.buffers.insert(desc.name.clone(), value);
+    }
+    resources
+}
+
+/// Fills a texture, before whatever is recorded.
+pub(crate) fn upload(
+    queue: &wgpu::Queue,
+    (desc, texture): &(TextureDesc, wgpu::Texture),
+    contents: &Contents,
+) {
+    queue.write_texture(
+        texture.as_image_copy(),
+        &contents.bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: bytes_per_row(desc),
+            rows_per_image: None,
+        },
+        size(desc),
+    );
+}
+
+/// A texture's extent.
+pub fn size(desc: &TextureDesc) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width: desc.width,
+        height: desc.height,
+        depth_or_array_layers: desc.shape.layers(),
+    }
+}
+
+/// How the plan's passes write a texture.
+fn written(plan: &ShadowPlan, name: &str) -> wgpu::TextureUsages {
+    use wgpu::TextureUsages as Usage;
+    let writers = plan
+        .passes
+        .iter()
+        .filter(|pass| pass.writes().any(|written| written == name));
+    let usages = writers.map(|pass| match pass {
+        Pass::Compute(_) => Usage::STORAGE_BINDING,
+        _ => Usage::RENDER_ATTACHMENT,
+    });
+    // What no pass writes is cleared by the first that reads it, which asks for this.
+    usages
+        .reduce(|all, usage| all | usage)
+        .unwrap_or(Usage::RENDER_ATTACHMENT)
+}
+
+/// None for what cannot be filled texel by texel: blocks, and depth.
+fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
+    let format = desc.format;
+    let texels = format.block_dimensions() == (1, 1) && !format.is_depth_stencil_format();
+    let texel = format.block_copy_size(None).filter(|_| texels)?;
+    desc.width.checked_mul(texel)
+}
+
+/// What `plan` fills the texture with, checked.
+fn contents<'a>(
+    shadow: &CheckedShadow<'_>,
+    plan: &'a ShadowPlan,
+    desc: &TextureDesc,
+) -> Result<Option<&'a Contents>, Error> {
+    let name = &desc.name;
+    let mut all = plan.contents.iter().filter(|c| c.texture == *name);
+    let Some(contents) = all.next() else {
+        return Ok(None);
+    };
+    let given = contents.bytes.len() as u64;
+    let mut written = plan.passes.iter().flat_map(Pass::writes);
+    let drawn = written.any(|written| written == name);
+    let problem = if all.next().is_some() {
+        format!("contents for `{name}` twice")
+    } else if drawn {
+        format!("contents for `{name}`, which a pass draws into as well")
+    } else if desc.shape != TextureShape::D2 {
+        format!("contents for `{name}`, which is not one rectangle")
+    } else {
+        let expected = bytes_per_row(desc).map(|row| u64::from(row) * u64::from(desc.height));
+        match expected {
+            None => format!(
+                "contents for `{name}`, whose format {:?} cannot be filled texel by texel",
+                desc.format
+            ),
+            Some(expected) if expected != given => format!(
+                "{given} bytes for `{name}`, whose {} by {} texels of {:?} take {expected}",
+                desc.width, desc.height, desc.format
+            ),
+            Some(_) => return Ok(Some(contents)),
+        }
+    };
+    Err(bad_plan(shadow, &problem))
+}
+
+/// The names in a light's group that must not be filtered: textures of formats that not every device can
+/// filter, where the plan does not ask for one that can, and samplers that do not ask to.
+pub fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
+    use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
+    let Some(shadow) = shadow else {
+        return BTreeSet::new();
+    };
+    let textures = shadow
+        .textures
+        .iter()
+        .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
+        .filter(|_| !shadow.filters_all_floats)
+        .map(|(name, _)| name);
+    let samplers = shadow
+        .samplers
+        .iter()
+        .filter(|(_, (desc, _))| desc.filter == wgpu::FilterMode::Nearest)
+        .map(|(name, _)| name);
+    textures.chain(samplers).cloned().collect()
+}
