@@ -120,7 +120,7 @@ impl Package {
     pub fn from_sources(
         name: &str,
         root: &str,
-        files: impl IntoIterator<Item = (String, String)>,
+        files: impl IntoIterator<Item = (impl Into<String>, impl Into<String>)>,
     ) -> Result<Self, Error> {
         let mut package = Self {
             name: package_name(name)?,
@@ -129,6 +129,7 @@ impl Package {
             dependencies: BTreeMap::new(),
         };
         for (path, text) in files {
+            let (path, text): (String, String) = (path.into(), text.into());
             let file = if root.is_empty() {
                 path.clone()
             } else {

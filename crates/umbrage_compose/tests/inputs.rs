@@ -48,7 +48,7 @@ fn a_package_has_a_name_that_paths_can_begin_with() {
         "", "3d", "a b", "a::b", "a.b", "-", "__a", "package", "super", "self", "import", "as",
         "ä/b",
     ] {
-        let error = Package::from_sources(name, "demo", []).expect_err(name);
+        let error = Package::from_sources(name, "demo", [("", ""); 0]).expect_err(name);
         let said = error.to_string();
         assert!(
             said.contains("cannot be the name of a package"),
@@ -67,7 +67,10 @@ fn a_package_has_a_name_that_paths_can_begin_with() {
         assert_eq!((at.line, at.column), (1, 14), "{name:?}: {error}");
     }
     for name in ["a", "my_lib", "fn", "common", "größe", "a1"] {
-        assert!(Package::from_sources(name, "demo", []).is_ok(), "{name}");
+        assert!(
+            Package::from_sources(name, "demo", [("", ""); 0]).is_ok(),
+            "{name}"
+        );
     }
 }
 

@@ -56,6 +56,6 @@ pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report}
 pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
 pub use scene::{
     Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
-    Staging, Texture, Wrap, look_along,
+    Staging, Texture, Wrap,
 };
 pub use umbrage_wgpu::{CheckedShadow, PackError, Shadow, ShadowError, pack, pack_buffer};

@@ -31,6 +31,14 @@ pub(crate) const FACES: [[usize; 4]; 6] = [
 ];
 
 impl Aabb {
+    /// The box between two corners, of which `min` is the lower one on each axis.
+    pub fn new(min: impl Into<DVec3>, max: impl Into<DVec3>) -> Self {
+        Self {
+            min: min.into(),
+            max: max.into(),
+        }
+    }
+
     /// The smallest box around `points`; none where there is no point.
     pub fn from_points(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points

@@ -175,4 +175,4 @@ pub use plan::{
 pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
 pub use splits::{MAX_SPLITS, split_depths};
-pub use view::{Field, Projection, View};
+pub use view::{Field, Projection, View, look_along};

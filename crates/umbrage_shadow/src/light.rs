@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec3, Vec3};
 
-use crate::{Aabb, PlanError};
+use crate::{Aabb, Constants, PlanError};
 
 /// A light, as a shadow method sees it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,45 @@ pub enum LightKind {
     },
 }
 
+impl LightKind {
+    /// The kind's name: its value on the shader library's axis `light`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Directional { .. } => "directional",
+            Self::Spot { .. } => "spot",
+            Self::Point { .. } => "point",
+        }
+    }
+}
+
 impl Light {
+    /// The members of the uniform block `light` of our own lights' shaders, relative to a camera at `eye` (world).
+    pub fn constants(&self, eye: DVec3) -> Constants {
+        let vector = |v: DVec3| v.as_vec3();
+        match self.kind {
+            LightKind::Directional { direction } => Constants::new()
+                .with("to_light", vector(-direction))
+                .with("irradiance", self.color),
+            LightKind::Spot {
+                position,
+                direction,
+                inner_angle,
+                outer_angle,
+                range,
+            } => Constants::new()
+                .with("position_ws", vector(position - eye))
+                .with("range", range as f32)
+                .with("direction", vector(direction))
+                .with("cos_outer", outer_angle.cos() as f32)
+                .with("intensity", self.color)
+                .with("cos_inner", inner_angle.cos() as f32),
+            LightKind::Point { position, range } => Constants::new()
+                .with("position_ws", vector(position - eye))
+                .with("range", range as f32)
+                .with("intensity", self.color),
+        }
+    }
+
     /// Checks that the light can shine.
     ///
     /// # Errors

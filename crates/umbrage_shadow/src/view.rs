@@ -1,6 +1,6 @@
 //! The camera.
 
-use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 
 use crate::{Frustum, PlanError};
 
@@ -48,6 +48,27 @@ pub enum Field {
 }
 
 impl View {
+    /// A perspective view from `position` along `forward`, y as far up as can be, that sees `fov_y` (radians) from bottom to
+    /// top, `aspect` times as much across, and depths between `near` and `far` (metres).
+    pub fn perspective(
+        position: DVec3,
+        forward: DVec3,
+        (fov_y, aspect): (f64, f64),
+        [near, far]: [f64; 2],
+    ) -> Self {
+        Self {
+            position,
+            rotation: look_along(forward).unwrap_or_default(),
+            projection: Projection {
+                field: Field::Perspective { fov_y },
+                aspect,
+                near,
+                far,
+            },
+            eye: 0.0,
+        }
+    }
+
     /// Checks that the view can be drawn.
     ///
     /// # Errors
@@ -237,6 +258,19 @@ impl Projection {
             ),
         }
     }
+}
+
+/// The rotation that turns −z to `direction` with +y as far up as can be; none for no direction.
+pub fn look_along(direction: DVec3) -> Option<DQuat> {
+    let forward = direction.try_normalize()?;
+    let up = if forward.y.abs() > 0.999_999 {
+        DVec3::NEG_Z
+    } else {
+        DVec3::Y
+    };
+    let right = forward.cross(up).try_normalize()?;
+    let axes = DMat3::from_cols(right, right.cross(forward), -forward);
+    Some(DQuat::from_mat3(&axes))
 }
 
 #[cfg(test)]

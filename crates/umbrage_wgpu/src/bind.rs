@@ -77,6 +77,25 @@ impl Resource {
 }
 
 impl ShadowResources {
+    /// All bind groups of a shader that reads this shadow, and uniform blocks of these names.
+    ///
+    /// # Errors
+    /// Another binding; a member without a value, or with one of another type.
+    pub fn groups(
+        &self,
+        gpu: Gpu<'_>,
+        program: &Program,
+        blocks: &[(&str, &Constants)],
+    ) -> Result<Groups, Error> {
+        let key = &program.permutation.key;
+        program.groups(gpu.0, |binding| {
+            match blocks.iter().find(|(name, _)| *name == binding.name) {
+                Some((_, constants)) => Resource::uniform(gpu, key, binding, constants).map(Some),
+                None => self.resource(gpu, key, binding),
+            }
+        })
+    }
+
     /// What the shadow gives for `binding`; none where it has nothing of that name.
     ///
     /// # Errors
@@ -139,5 +158,51 @@ impl Program {
             layout,
             entries: &entries,
         })))
+    }
+}
+
+/// All bind groups that a shader reads.
+pub struct Groups(Vec<(u32, wgpu::BindGroup)>);
+
+impl Groups {
+    /// Sets them for the draws that follow.
+    pub fn set(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for (group, bound) in &self.0 {
+            pass.set_bind_group(*group, bound, &[]);
+        }
+    }
+
+    /// Sets them for the dispatches that follow.
+    pub fn set_compute(&self, pass: &mut wgpu::ComputePass<'_>) {
+        for (group, bound) in &self.0 {
+            pass.set_bind_group(*group, bound, &[]);
+        }
+    }
+}
+
+impl Program {
+    /// All bind groups, each binding as `resource` gives it.
+    ///
+    /// # Errors
+    /// A binding for which it gives nothing, and its own errors.
+    pub fn groups(
+        &self,
+        device: &wgpu::Device,
+        mut resource: impl FnMut(&Binding) -> Result<Option<Resource>, Error>,
+    ) -> Result<Groups, Error> {
+        let key = &self.permutation.key;
+        let mut given = |binding: &Binding| {
+            resource(binding)?.ok_or_else(|| {
+                let problem =
+                    "the shader reads it, but it is none of what its light and shadow method give";
+                Error::binding(key, binding, problem)
+            })
+        };
+        let all = (0..self.groups.len()).map(|group| {
+            let bound = self.bind(device, group, &mut given)?;
+            Ok(bound.map(|bound| (group as u32, bound)))
+        });
+        let all = all.collect::<Result<Vec<_>, Error>>()?;
+        Ok(Groups(all.into_iter().flatten().collect()))
     }
 }

@@ -5,17 +5,17 @@ use std::{
     sync::Arc,
 };
 
-use umbrage_compose::{Binding, BindingKind, Composed, Composer, Permutation, ProjectedKey};
+use umbrage_compose::{BindingKind, Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, ComputePass, Constants, DepthTarget, Frame, LightKind,
-    MAX_REGIONS, Pass, Region, ScreenPass, ShadowPlan, TextureDesc, TextureShape, Viewport,
+    CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Viewport,
 };
 
 use crate::{
-    CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Host, Identity, MAX,
-    Pipeline, Program, Resource, ShadowResources, Times,
+    CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity,
+    Pipeline, Program, ShadowResources, Times,
     record::{self, Memory, Record},
     resources::{self, unfiltered},
+    targets::{attachment, check_regions, depth_attachment, is_depth, is_floats},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -76,7 +76,7 @@ type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
 
 /// A device, and what was made for it.
 pub(crate) struct Shared {
-    device: wgpu::Device,
+    pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     composer: Arc<Composer>,
     pipelines: HashMap<(ProjectedKey, DrawState, Vertices), Arc<Pipeline>>,
@@ -261,10 +261,10 @@ impl Executor {
 }
 
 /// A plan under way.
-struct Execution<'a> {
-    shared: &'a mut Shared,
-    job: &'a Job<'a>,
-    memory: Memory,
+pub(crate) struct Execution<'a> {
+    pub(crate) shared: &'a mut Shared,
+    pub(crate) job: &'a Job<'a>,
+    pub(crate) memory: Memory,
     resources: ShadowResources,
     /// Textures that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
@@ -307,13 +307,8 @@ impl<'a> Execution<'a> {
             memory.contents.insert(name, bytes);
         }
         let resources = resources::resources(&shared.device, plan, &memory.textures);
-        let own = [
-            ("light", kind_name(&job.frame.light.kind)),
-            ("method", job.shadow.method().name()),
-        ];
-        let axes = job.shadow.axes.iter();
-        let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));
-        let choices = job.choices.iter().copied().chain(own).chain(axes).collect();
+        let own = job.shadow.choices(job.frame.light);
+        let choices = job.choices.iter().copied().chain(own).collect();
         Ok(Self {
             shared,
             job,
@@ -520,9 +515,7 @@ impl<'a> Execution<'a> {
         });
         set_viewport(&mut recorded, &pass.viewport);
         recorded.set_pipeline(&pipeline.pipeline);
-        for (group, bound) in &groups {
-            recorded.set_bind_group(*group, bound, &[]);
-        }
+        groups.set(&mut recorded);
         recorded.draw(0..3, 0..1);
         Ok(())
     }
@@ -546,173 +539,15 @@ impl<'a> Execution<'a> {
             }),
         });
         recorded.set_pipeline(&computation.pipeline);
-        for (group, bound) in &groups {
-            recorded.set_bind_group(*group, bound, &[]);
-        }
+        groups.set_compute(&mut recorded);
         let [x, y, z] = pass.workgroups;
         recorded.dispatch_workgroups(x, y, z);
         Ok(())
     }
 
     /// What a shader reads that draws no caster.
-    fn groups(
-        &self,
-        program: &Program,
-        given: &ShadowResources,
-    ) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
-        let gpu = self.shared.gpu();
-        let key = &program.permutation.key;
-        let mut resource = |binding: &Binding| {
-            if binding.name == "light" {
-                return Resource::uniform(gpu, key, binding, self.job.constants);
-            }
-            let found = given.resource(gpu, key, binding)?;
-            found.ok_or_else(|| {
-                let problem =
-                    "the shader reads it, but it is none of what its light and shadow method give";
-                Error::binding(key, binding, problem)
-            })
-        };
-        let mut groups = Vec::new();
-        for group in 0..program.groups.len() {
-            let bound = program.bind(gpu.0, group, &mut resource)?;
-            groups.extend(bound.map(|bound| (group as u32, bound)));
-        }
-        Ok(groups)
-    }
-
-    fn bad(&self, problem: &str) -> Error {
-        bad_plan(self.job.shadow, problem)
-    }
-
-    /// A texture of the plan.
-    fn target(&self, name: &str) -> Result<(TextureDesc, wgpu::Texture), Error> {
-        let found = self.memory.textures.get(name).cloned();
-        found.ok_or_else(|| {
-            let problem = format!("the target `{name}`, which is none of its textures");
-            self.bad(&problem)
-        })
-    }
-
-    /// Whether a viewport lies in a texture.
-    fn check_viewport(&self, area: &Viewport, desc: &TextureDesc) -> Result<(), Error> {
-        let inside = |start: u32, extent: u32, all: u32| {
-            extent > 0 && start.checked_add(extent).is_some_and(|end| end <= all)
-        };
-        if inside(area.x, area.width, desc.width) && inside(area.y, area.height, desc.height) {
-            return Ok(());
-        }
-        let problem = format!(
-            "what is drawn into {area:?}, outside the {} by {} texels of `{}`",
-            desc.width, desc.height, desc.name
-        );
-        Err(self.bad(&problem))
-    }
-
-    /// The depth texture that a pass draws into.
-    fn depth_target(
-        &self,
-        target: &DepthTarget,
-        viewport: &Viewport,
-    ) -> Result<(TextureDesc, wgpu::TextureView), Error> {
-        let (desc, texture) = self.target(&target.texture)?;
-        self.check_viewport(viewport, &desc)?;
-        let problem = if !is_depth(desc.format) {
-            format!(
-                "casters into `{}`, whose format {:?} is not of depth alone",
-                desc.name, desc.format
-            )
-        } else if target.layer >= desc.shape.layers() {
-            format!("casters into layer {} of `{}`", target.layer, desc.name)
-        } else {
-            let view = texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer: target.layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            });
-            return Ok((desc, view));
-        };
-        Err(self.bad(&problem))
-    }
-
-    /// The colour texture that a pass draws into, as large as `depth`, where it has that as well.
-    fn color_target(
-        &self,
-        color: &ColorTarget,
-        depth: Option<&TextureDesc>,
-        viewport: &Viewport,
-    ) -> Result<(ColorState, wgpu::TextureView), Error> {
-        let name = &color.texture;
-        let (desc, texture) = self.target(name)?;
-        let format = desc.format;
-        if !is_floats(&desc) {
-            let problem = format!(
-                "a colour into `{name}`, which is not one rectangle of floats ({format:?})"
-            );
-            return Err(self.bad(&problem));
-        }
-        if let Some(depth) = depth
-            && [desc.width, desc.height] != [depth.width, depth.height]
-        {
-            let problem = format!(
-                "a colour into the {} by {} texels of `{name}` and depth into the {} by {} of `{}`: both must be as large",
-                desc.width, desc.height, depth.width, depth.height, depth.name
-            );
-            return Err(self.bad(&problem));
-        }
-        let there = wgpu::ColorWrites::from_bits_truncate((1 << format.components()) - 1);
-        if color.channels.is_empty() || !there.contains(color.channels) {
-            let (wanted, there) = (channel_names(color.channels), channel_names(there));
-            let problem = format!(
-                "a colour into the channels `{wanted}` of `{name}`, whose format {format:?} has `{there}`"
-            );
-            return Err(self.bad(&problem));
-        }
-        self.check_viewport(viewport, &desc)?;
-        let state = ColorState {
-            format,
-            blend: match color.blend {
-                Blend::Replace => None,
-                Blend::Max => Some(MAX),
-            },
-            channels: color.channels,
-        };
-        Ok((state, texture.create_view(&Default::default())))
-    }
-
-    /// Whether a compute pass can be run, and writes what it says.
-    fn check_compute(&self, pass: &ComputePass, permutation: &Permutation) -> Result<(), Error> {
-        let limits = self.shared.device.limits();
-        let limit = limits.max_compute_workgroups_per_dimension;
-        if pass.workgroups.iter().any(|n| !(1..=limit).contains(n)) {
-            let problem = format!(
-                "{:?} workgroups of `{}`, where the device allows from 1 to {limit} each way",
-                pass.workgroups, pass.shader
-            );
-            return Err(self.bad(&problem));
-        }
-        for name in &pass.writes {
-            self.target(name)?;
-        }
-        self.check_stores(pass, permutation)
-    }
-
-    /// Whether all that a compute shader stores to is among what its pass says that it writes.
-    fn check_stores(&self, pass: &ComputePass, permutation: &Permutation) -> Result<(), Error> {
-        let bindings = permutation.reflection.bindings.iter();
-        let stored = bindings.filter(|b| matches!(b.kind, BindingKind::StorageTexture { .. }));
-        for name in stored.map(|binding| &binding.name) {
-            let texture = named(&pass.reads.renamed, name);
-            if pass.writes.iter().all(|written| written != texture) {
-                let problem = format!(
-                    "`{}` stores to `{texture}`, which is not among what it `writes`",
-                    pass.shader
-                );
-                return Err(self.bad(&problem));
-            }
-        }
-        Ok(())
+    fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
+        given.groups(self.shared.gpu(), program, &[("light", self.job.constants)])
     }
 }
 
@@ -732,40 +567,14 @@ fn reads((record, composed): &Ready) -> BTreeSet<String> {
 }
 
 /// The texture that a pass has for a binding.
-fn named<'a>(renamed: &'a [(String, String)], binding: &'a str) -> &'a str {
+pub(crate) fn named<'a>(renamed: &'a [(String, String)], binding: &'a str) -> &'a str {
     let found = renamed.iter().find(|(from, _)| from == binding);
     found.map_or(binding, |(_, texture)| texture)
-}
-
-fn kind_name(kind: &LightKind) -> &'static str {
-    match kind {
-        LightKind::Directional { .. } => "directional",
-        LightKind::Spot { .. } => "spot",
-        LightKind::Point { .. } => "point",
-    }
 }
 
 fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {
     let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|n| n as f32);
     pass.set_viewport(x, y, width, height, 0.0, 1.0);
-}
-
-/// Whether a format is of depth alone.
-fn is_depth(format: wgpu::TextureFormat) -> bool {
-    format.has_depth_aspect() && !format.has_stencil_aspect()
-}
-
-/// Whether a texture is one rectangle of floats that can be drawn into.
-fn is_floats(desc: &TextureDesc) -> bool {
-    let sample = desc.format.sample_type(None, None);
-    let floats = matches!(sample, Some(wgpu::TextureSampleType::Float { .. }));
-    floats && desc.format.has_color_aspect() && desc.shape == TextureShape::D2
-}
-
-fn channel_names(channels: wgpu::ColorWrites) -> String {
-    let names = [(1, 'r'), (2, 'g'), (4, 'b'), (8, 'a')].into_iter();
-    let set = names.filter(|(bit, _)| channels.bits() & bit != 0);
-    set.map(|(_, name)| name).collect()
 }
 
 fn render_times((set, [begin, end]): &Times) -> wgpu::RenderPassTimestampWrites<'_> {
@@ -774,71 +583,4 @@ fn render_times((set, [begin, end]): &Times) -> wgpu::RenderPassTimestampWrites<
         beginning_of_pass_write_index: Some(*begin),
         end_of_pass_write_index: Some(*end),
     }
-}
-
-/// A colour's attachment; cleared to 0, the farthest, or kept.
-fn attachment(
-    view: &wgpu::TextureView,
-    clear: bool,
-) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let load = match clear {
-        true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-        false => wgpu::LoadOp::Load,
-    };
-    Some(wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    })
-}
-
-fn depth_attachment(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<f32>,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
-}
-
-pub(crate) fn bad_plan(shadow: &CheckedShadow<'_>, problem: &str) -> Error {
-    Error::BadPlan {
-        method: shadow.method().name().to_owned(),
-        problem: problem.to_owned(),
-    }
-}
-
-/// Whether regions of view depth follow each other, with axes of the chosen parts.
-fn check_regions(shadow: &CheckedShadow<'_>, regions: &[Region]) -> Result<(), Error> {
-    if regions.len() > MAX_REGIONS {
-        let problem = format!(
-            "{} regions of view depth: {MAX_REGIONS} at the most",
-            regions.len()
-        );
-        return Err(bad_plan(shadow, &problem));
-    }
-    let mut start = 0.0;
-    for Region { end, axes } in regions {
-        // NaN is not beyond.
-        if !(*end > start && end.is_finite()) {
-            let problem = format!("a region of view depth from {start} m to {end} m");
-            return Err(bad_plan(shadow, &problem));
-        }
-        let known = shadow.choice.axes();
-        if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
-            let problem = format!("a region with the axis `{axis}`, which is none of its axes");
-            return Err(bad_plan(shadow, &problem));
-        }
-        start = *end;
-    }
-    Ok(())
 }

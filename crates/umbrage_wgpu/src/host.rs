@@ -21,8 +21,19 @@ pub struct Identity {
     pub revision: u64,
 }
 
+impl Identity {
+    /// As many casters as are asked for, none of which ever changes.
+    pub fn unchanging(count: usize) -> Vec<Self> {
+        let one = |id| Self { id, revision: 0 };
+        (0..count as u64).map(one).collect()
+    }
+}
+
 /// A set of timestamps, and which of them are those of a pass's beginning and end.
 pub type Times = (wgpu::QuerySet, [u32; 2]);
+
+/// Whether casters were drawn, and if not, why not, in the engine's own words.
+pub type Drawn = Result<(), Box<dyn StdError + Send + Sync>>;
 
 /// What an engine does while a plan is executed.
 pub trait Host {
@@ -30,11 +41,7 @@ pub trait Host {
     ///
     /// # Errors
     /// Whatever keeps the engine from drawing them; the light then has no shadow.
-    fn draw(
-        &mut self,
-        casters: &[usize],
-        draws: &mut Draws<'_, '_>,
-    ) -> Result<(), Box<dyn StdError + Send + Sync>>;
+    fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn;
 
     /// Where the times at the beginning and the end of `pass` are to be noted.
     fn times(&mut self, pass: &Pass) -> Option<Times> {

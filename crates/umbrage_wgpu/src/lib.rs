@@ -10,6 +10,22 @@
 //! the last time, draws other casters or casters of another [revision](Identity), or reads a texture that is filled again.
 //! So a frame in which nothing moved draws no map, whatever the method; no method knows.
 //!
+//! # Shaders of passes
+//! A pass names its shader by a value of the shader library's axis `pass`, whose module has the entry points: one vertex and
+//! at most one fragment stage, or one compute stage, of any names. It reads by name, whatever the numbers of groups:
+//!
+//! | pass | what its shader may read |
+//! | --- | --- |
+//! | casters | the uniform block `frame` with `view_proj` (world, relative to the camera, to clip space); all other groups, and vertices, are the engine's: ours are in `package::passes::caster` |
+//! | full-screen, compute | textures, samplers and storage buffers of the plan, under the names that [`Reads`](umbrage_shadow::Reads) gives them; uniform blocks with its constants, and the block `light` |
+//! | the engine's own | textures, samplers, buffers and constants of the [`ShadowResources`] |
+//!
+//! A full-screen pass draws three vertices of one triangle, by their numbers. A compute pass stores to what it `writes`.
+//!
+//! # An engine
+//! `examples/own_renderer` is one, with two lights, in 150 lines.
+//!
+//! # What is recorded
 //! What was recorded counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
 
 mod bind;
@@ -22,11 +38,12 @@ mod program;
 mod record;
 mod resources;
 mod shadow;
+mod targets;
 
-pub use bind::{Gpu, Resource};
+pub use bind::{Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
 pub use execute::{Executed, Executor, Job, Run};
-pub use host::{Draws, Host, Identity, Prepared, Times};
+pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
     ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED, reads_facing,

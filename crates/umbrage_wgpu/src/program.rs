@@ -49,6 +49,17 @@ pub struct ColorState {
     pub channels: wgpu::ColorWrites,
 }
 
+impl ColorState {
+    /// All channels of a `format`; without a `blend`, what is drawn takes the place of what is there.
+    pub fn new(format: wgpu::TextureFormat, blend: Option<wgpu::BlendState>) -> Self {
+        Self {
+            format,
+            blend,
+            channels: wgpu::ColorWrites::ALL,
+        }
+    }
+}
+
 /// A shader and what it wants bound.
 pub struct Program {
     /// The shader.

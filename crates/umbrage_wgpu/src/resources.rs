@@ -7,7 +7,7 @@ use umbrage_shadow::{
     Value,
 };
 
-use crate::{CheckedShadow, Error, device, execute::bad_plan, program::STORED};
+use crate::{CheckedShadow, Error, device, program::STORED, targets::bad_plan};
 
 /// What `calc_shadow` reads, or a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]

@@ -41,6 +41,16 @@ impl<'a> CheckedShadow<'a> {
         self.choice.method
     }
 
+    /// Values of axes of the shader library for shaders that read this shadow of `light`.
+    pub fn choices(&self, light: &Light) -> impl Iterator<Item = (&str, &str)> {
+        let axes = self.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
+        let own = [
+            ("light", light.kind.name()),
+            ("method", self.method().name()),
+        ];
+        axes.chain(own)
+    }
+
     /// What the parts plan for.
     pub fn frame<'f>(
         &'f self,
@@ -106,6 +116,20 @@ pub enum ShadowError {
 impl Shadow {
     /// The method of lights that cast no shadows.
     pub const NONE: &str = "none";
+
+    /// A method, and defaults for all else.
+    pub fn new(method: &str) -> Self {
+        Self {
+            method: method.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    /// The same with another value of an axis.
+    pub fn with(mut self, axis: &str, value: &str) -> Self {
+        self.axes.insert(axis.to_owned(), value.to_owned());
+        self
+    }
 
     /// The parts that are chosen, with defaults for what is not.
     ///

@@ -1,7 +1,7 @@
 //! Scenes of other families under a camera of parallel rays, whose pixels are as large at all depths: `orthographic`.
 
-use umbrage_render::{Camera, look_along};
-use umbrage_shadow::Field;
+use umbrage_render::Camera;
+use umbrage_shadow::{Field, look_along};
 
 use super::{
     Case,

@@ -3,8 +3,8 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
-use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight, look_along};
-use umbrage_shadow::{Field, Light, LightKind};
+use umbrage_render::{Camera, Material, Mesh, Object, Scene, SceneLight};
+use umbrage_shadow::{Field, Light, LightKind, look_along};
 
 use super::Case;
 

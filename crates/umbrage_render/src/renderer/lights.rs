@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
 use umbrage_hints::ending;
-use umbrage_shadow::{Choice, Constants, Light, LightKind, Registry, Support, Value};
+use umbrage_shadow::{Choice, Constants, Light, LightKind, Registry, Support, look_along};
 use umbrage_wgpu::{CheckedShadow, Shadow, check_value};
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
     RenderError,
-    scene::{Object, Scene, SceneLight, look_along},
+    scene::{Object, Scene, SceneLight},
 };
 
 /// A light with its method, both checked.
@@ -130,10 +130,8 @@ fn set_up_method<'a>(
             reason,
         });
     }
-    let axes = checked.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
-    let kind = kind_name(&source.light.kind);
-    let others = [("light", kind), ("method", method), ("pass", TERM)];
-    let legal = library.key(axes.chain(others));
+    let choices = checked.choices(&source.light);
+    let legal = library.key(choices.chain([("pass", TERM)]));
     legal.map_err(|source| RenderError::Excluded { light, source })?;
     Ok(checked)
 }
@@ -179,7 +177,7 @@ pub(super) fn key(
     choices.extend(object.into_iter().flat_map(object_axes));
     choices.extend(self::choices(options, orthographic));
     let (light, term) = light.unzip();
-    let kind = light.map(|light| kind_name(&light.source.light.kind));
+    let kind = light.map(|light| light.source.light.kind.name());
     // Other lights have no projection that a cookie could be seen through.
     if kind != Some("spot") {
         choices.remove("cookie");
@@ -234,44 +232,20 @@ pub(super) fn choices(options: &RenderOptions, orthographic: bool) -> Vec<(&str,
     axes.chain(camera).collect()
 }
 
-fn kind_name(kind: &LightKind) -> &'static str {
-    match kind {
-        LightKind::Directional { .. } => "directional",
-        LightKind::Spot { .. } => "spot",
-        LightKind::Point { .. } => "point",
-    }
-}
-
 /// The values of the light's uniform block, relative to a camera at `eye`.
 pub(super) fn constants(light: &Light, eye: DVec3) -> Constants {
-    let vector = |v: DVec3| Value::Vec3(v.as_vec3());
-    let number = |x: f64| Value::F32(x as f32);
-    let color = Value::Vec3(light.color);
+    let constants = light.constants(eye);
     match light.kind {
-        LightKind::Directional { direction } => Constants::new()
-            .with("to_light", vector(-direction))
-            .with("irradiance", color),
         LightKind::Spot {
             position,
             direction,
-            inner_angle,
             outer_angle,
-            range,
-        } => Constants::new()
-            .with("position_ws", vector(position - eye))
-            .with("range", number(range))
-            .with("direction", vector(direction))
-            .with("cos_outer", number(outer_angle.cos()))
-            .with("intensity", color)
-            .with("cos_inner", number(inner_angle.cos()))
-            .with(
-                "cookie_matrix",
-                Value::Mat4(cookie(position - eye, direction, outer_angle)),
-            ),
-        LightKind::Point { position, range } => Constants::new()
-            .with("position_ws", vector(position - eye))
-            .with("range", number(range))
-            .with("intensity", color),
+            ..
+        } => constants.with(
+            "cookie_matrix",
+            cookie(position - eye, direction, outer_angle),
+        ),
+        _ => constants,
     }
 }
 

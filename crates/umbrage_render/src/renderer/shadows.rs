@@ -2,7 +2,6 @@
 
 use std::{
     collections::{HashMap, hash_map::Entry},
-    error::Error as StdError,
     hash::{DefaultHasher, Hash as _, Hasher as _},
     mem,
     sync::Arc,
@@ -11,8 +10,8 @@ use std::{
 use umbrage_compose::{Composed, Purpose};
 use umbrage_shadow::{Pass, View};
 use umbrage_wgpu::{
-    CheckedShadow, Draws, Executed, Host, Identity, Job, Pipeline, Run, ShadowResources, Times,
-    size,
+    CheckedShadow, Drawn, Draws, Executed, Host, Identity, Job, Pipeline, Run, ShadowResources,
+    Times, size,
 };
 
 use super::{
@@ -167,11 +166,7 @@ struct Stage<'s, 'f> {
 }
 
 impl Host for Stage<'_, '_> {
-    fn draw(
-        &mut self,
-        casters: &[usize],
-        draws: &mut Draws<'_, '_>,
-    ) -> Result<(), Box<dyn StdError + Send + Sync>> {
+    fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
         let slots = casters
             .iter()
             .filter_map(|caster| self.casting.get(*caster));

@@ -4,11 +4,10 @@
 use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use umbrage_shadow::{Aabb, Field, Light, LightKind};
+use umbrage_shadow::{Aabb, Field, Light, LightKind, look_along};
 
 use super::{
     Camera, LeftOut, Material, Mesh, Object, Scene, SceneError, SceneLight, Shadow, Staging,
-    file::look_along,
     model::{self, Eye},
     own_lights::{BRIGHT, own_lights},
 };

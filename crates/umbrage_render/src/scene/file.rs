@@ -9,7 +9,7 @@ use std::{
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec2, Vec3, Vec4};
 use serde::Deserialize;
 use umbrage_compose::RonFile;
-use umbrage_shadow::{Field, plain_number};
+use umbrage_shadow::{Field, look_along, plain_number};
 
 use super::{
     Camera, Image, LeftOut, Material, Medium, Mesh, Object, Scene, SceneError, Texture, Wrap,
@@ -494,17 +494,4 @@ fn share<T: PartialEq>(known: &mut Vec<Arc<T>>, value: T) -> Arc<T> {
     let value = Arc::new(value);
     known.push(Arc::clone(&value));
     value
-}
-
-/// The rotation that turns −z to `direction` with +y as far up as can be; none for no direction.
-pub fn look_along(direction: DVec3) -> Option<DQuat> {
-    let forward = direction.try_normalize()?;
-    let up = if forward.y.abs() > 0.999_999 {
-        DVec3::NEG_Z
-    } else {
-        DVec3::Y
-    };
-    let right = forward.cross(up).try_normalize()?;
-    let axes = glam::DMat3::from_cols(right, right.cross(forward), -forward);
-    Some(DQuat::from_mat3(&axes))
 }

@@ -20,7 +20,6 @@ use umbrage_wgpu::Shadow;
 pub(crate) use self::image::encode_srgb;
 pub use self::{
     error::SceneError,
-    file::look_along,
     image::{Image, Level},
     left_out::LeftOut,
     medium::Medium,
