@@ -11,6 +11,8 @@ mod bounds;
 mod exponential;
 #[path = "methods/shafts.rs"]
 mod shafts;
+#[path = "methods/still.rs"]
+mod still;
 #[path = "methods/timing.rs"]
 mod timing;
 
@@ -64,11 +66,20 @@ struct Report {
     midpoint_single_over_two: f64,
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
+    parts: Parts,
+}
+
+/// What is measured in files of their own.
+#[derive(Serialize)]
+struct Parts {
+    #[serde(flatten)]
     bounds: bounds::Report,
     #[serde(flatten)]
     exponential: exponential::Report,
     #[serde(flatten)]
     shafts: shafts::Report,
+    #[serde(flatten)]
+    still: still::Report,
 }
 
 #[derive(Serialize)]
@@ -101,6 +112,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     shafts.print();
     let exponential = exponential::measure(&mut renderer, &scenes)?;
     exponential.print();
+    let still = still::measure(&mut renderer, &scenes)?;
+    still.print();
+    let parts = Parts {
+        bounds,
+        exponential,
+        shafts,
+        still,
+    };
     let shading = shading(&mut renderer, &scene)?;
 
     let mut configs: Vec<_> = LOOKUPS.map(|lookup| config("pssm", lookup, lookup)).into();
@@ -135,13 +154,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ONE_MAP,
         cost(&composer, &mut compiler, &[("method", "basic")])?,
     );
-    let report = report(
-        lab.adapter(),
-        family,
-        rows,
-        (&costs, shading),
-        (bounds, exponential, shafts),
-    )?;
+    let report = report(lab.adapter(), family, rows, (&costs, shading), parts)?;
     for (name, variant) in &report.variants {
         println!(
             "{name:15} {:4} instructions, {:3} registers, latency {:5}, throughput {:.2} of naive, shading {:.2} of naive, {:.2} fetches, {:.3} % wrong",
@@ -244,7 +257,7 @@ fn report(
     family: &str,
     rows: &[Row],
     (costs, times): (&BTreeMap<&str, umbrage_isa::Isa>, [Spread; LOOKUPS.len()]),
-    (bounds, exponential, shafts): (bounds::Report, exponential::Report, shafts::Report),
+    parts: Parts,
 ) -> Result<Report, Box<dyn Error>> {
     let row = |config: &str| {
         let found = rows.iter().find(|row| row.config == config);
@@ -282,8 +295,6 @@ fn report(
         pssm4x1024_over_basic2048_error: row(DEFAULT)?.error() / row("2048")?.error(),
         midpoint_single_over_two: single? / two?,
         variants,
-        bounds,
-        exponential,
-        shafts,
+        parts,
     })
 }

@@ -287,6 +287,7 @@ impl<'a> Execution<'a> {
         mut memory: Memory,
         plan: &ShadowPlan,
     ) -> Result<Self, Error> {
+        memory.let_go(plan);
         let (textures, mut new) = resources::textures(
             &shared.device,
             &memory.textures,

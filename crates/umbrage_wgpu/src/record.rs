@@ -36,6 +36,21 @@ pub(crate) struct Memory {
     pub(crate) drawn: Layers,
 }
 
+impl Memory {
+    /// Lets go of what `plan` does not have, and of textures that were drawn into and that it has no pass for: they hold what
+    /// it does not expect.
+    pub(crate) fn let_go(&mut self, plan: &ShadowPlan) {
+        let written: BTreeSet<_> = plan.passes.iter().flat_map(layers).collect();
+        let is_written = |name: &str| written.iter().any(|layer| layer.0 == name);
+        let drawn = self.drawn.keys().map(|layer| &layer.0);
+        let has = |name: &str| plan.textures.iter().any(|desc| desc.name == name);
+        let gone = drawn.filter(|name| !is_written(name) || !has(name));
+        let gone: BTreeSet<_> = gone.cloned().collect();
+        self.textures.retain(|name, _| !gone.contains(name));
+        self.drawn.retain(|layer, _| !gone.contains(&layer.0));
+    }
+}
+
 /// The layers that a pass writes.
 pub(crate) fn layers(pass: &Pass) -> Vec<Layer> {
     match pass {
