@@ -20,7 +20,9 @@ const VERTEX: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
 };
 
 /// Spoils the plans of `basic`.
-struct Spoilt(fn(&mut ShadowPlan));
+struct Spoilt(Spoil);
+
+type Spoil = fn(&mut ShadowPlan);
 
 impl Part for Spoilt {
     fn name(&self) -> &str {
@@ -158,7 +160,7 @@ fn ours() -> Registry {
     umbrage_methods::registry().expect("names are unique")
 }
 
-fn spoilt(spoil: fn(&mut ShadowPlan)) -> Registry {
+fn spoilt(spoil: Spoil) -> Registry {
     let mut parts = Registry {
         methods: Registry::new().methods,
         ..ours()
@@ -170,7 +172,7 @@ fn spoilt(spoil: fn(&mut ShadowPlan)) -> Registry {
 #[test]
 fn what_stands_is_kept_until_it_is_forgotten() {
     let mut studio = Studio::new();
-    let mut runs = |studio: &mut Studio, light| {
+    let runs = |studio: &mut Studio, light| {
         let done = studio
             .shadow(&ours(), (light, "hpsm"), 1)
             .expect("a shadow");
@@ -199,7 +201,7 @@ fn what_stands_is_kept_until_it_is_forgotten() {
 fn what_goes_wrong_is_told_and_nothing_wrong_is_kept() {
     let mut studio = Studio::new();
     studio.shadow(&ours(), (1, "pcf"), 1).expect("a shadow");
-    let spoilt: [(fn(&mut ShadowPlan), &str); 6] = [
+    let spoilt: [(Spoil, &str); 6] = [
         (
             |plan| {
                 for pass in &mut plan.passes {
