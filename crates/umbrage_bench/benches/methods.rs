@@ -69,7 +69,7 @@ struct Report {
     parts: Parts,
 }
 
-/// What is measured in files of their own.
+/// Measurements with files of their own.
 #[derive(Serialize)]
 struct Parts {
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! What the command knows.
+//! Parts and packages that the command knows.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use umbrage::{
 
 use crate::args::KeyArgs;
 
-/// What the command knows: our own shaders and parts, and those of whoever extends it.
+/// Parts and packages that the command knows: our own, and those of whoever extends it.
 pub struct Known {
     /// Shader packages; ours is the first.
     pub packages: Vec<Package>,

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::{Extent, Lens};
 
-/// What keeps a map's receivers from shading themselves. Depth is reversed: 1 near the light, 0 far.
+/// Bias of a map's receivers, which keeps them from shading themselves. Depth is reversed: 1 near the light, 0 far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bias {
     /// A receiver's depth d is raised by x + y · d: so many `texels` towards the light.
@@ -13,7 +13,7 @@ pub struct Bias {
     pub texel: DVec2,
     /// The bias in texels' widths: what was chosen, and what rounding may be.
     pub texels: f64,
-    /// What of it is for rounding.
+    /// The share of it that is for rounding.
     pub rounding: f64,
 }
 

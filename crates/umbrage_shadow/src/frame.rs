@@ -1,4 +1,4 @@
-//! What parts plan for.
+//! Frames: the input of every plan.
 
 use std::{collections::BTreeMap, fmt::Display};
 
@@ -15,15 +15,15 @@ pub struct Frame<'a> {
     pub view: &'a View,
     /// The light.
     pub light: &'a Light,
-    /// What may cast and what may receive.
+    /// Bounds of casters and receivers.
     pub casters: Casters<'a>,
     /// Values of the chosen parts' settings, checked.
     pub settings: &'a Settings,
     /// The value of each of the chosen parts' axes.
     pub axes: &'a BTreeMap<String, String>,
-    /// What fills the method's maps, where it lets that be chosen.
+    /// The source of the maps' depths, where it lets that be chosen.
     pub depth: Option<&'a dyn DepthSource>,
-    /// What samples the method's maps, where it lets that be chosen.
+    /// The filter of the maps, where it lets that be chosen.
     pub filter: Option<&'a dyn Filter>,
     /// The least and the greatest view depth that a pixel sees, metres, where the method
     /// [wants them](crate::ShadowMethod::wants_seen_depths); the first is greater than the second where none sees
@@ -45,7 +45,7 @@ pub struct Casters<'a> {
 pub struct Bounds {
     /// The camera's position in the world.
     pub origin: DVec3,
-    /// What the camera sees.
+    /// The camera's volume.
     pub camera: Frustum,
     /// All casters, in the frame's order.
     pub casters: Vec<Aabb>,
@@ -97,7 +97,7 @@ impl<'a> Frame<'a> {
         self.axes.get(name).map_or("missing", String::as_str)
     }
 
-    /// What the value of an axis stands for, among `known`.
+    /// Meaning of an axis's value, among `known`.
     ///
     /// # Errors
     /// A value that is not known.
@@ -166,7 +166,7 @@ impl<'a> Frame<'a> {
     /// Adds to `plan` what fills `maps` and what the filter makes of them, and how far the filter reads.
     ///
     /// # Errors
-    /// Those of the depth source and of the filter.
+    /// Errors of the depth source and of the filter.
     pub fn fill(&self, maps: &Maps, plan: &mut ShadowPlan) -> Result<(), PlanError> {
         self.depth()?.fill(self, maps, plan)?;
         self.filter()?.prepare(self, maps, plan)?;
@@ -202,7 +202,7 @@ pub enum PlanError {
         what: String,
         /// As found.
         value: String,
-        /// What is asked for.
+        /// As it must be.
         expected: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What shadows are made of, as plain data: no GPU, no shader, no scene format.
+//! Shadows as plain data, by the parts that make them: no GPU, no shader, no scene format.
 //!
 //! # The model
 //! A *caster* throws shadow, a *receiver* shows it. A light asks one question of whatever computes

@@ -35,7 +35,7 @@ pub struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
-    /// What keeps its receivers from shading themselves.
+    /// Bias of its receivers.
     pub bias: Bias,
     /// The distances that it holds.
     pub range: MapRange,
@@ -67,7 +67,7 @@ impl MapRange {
         }
     }
 
-    /// What makes depths linear: a depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far,
+    /// The number that makes depths linear: a depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far,
     /// which is A + B / d solved for d. 0 without a perspective.
     pub fn ratio(&self) -> f64 {
         if self.perspective {

@@ -47,7 +47,7 @@ pub trait ShadowMethod: Part {
         false
     }
 
-    /// What to draw this frame. A pure function of `frame`: the same frame has the same plan, and
+    /// Textures, passes and constants for this frame. A pure function of `frame`: the same frame has the same plan, and
     /// nothing is remembered between frames.
     ///
     /// A plan leaves nothing undefined that its shader reads: each part of a texture is drawn or

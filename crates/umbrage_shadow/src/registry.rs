@@ -54,9 +54,9 @@ pub struct Parts<P: ?Sized> {
 pub struct Choice<'a> {
     /// The method.
     pub method: &'a dyn ShadowMethod,
-    /// What fills its maps, where it lets that be chosen.
+    /// The source of its maps' depths, where it lets that be chosen.
     pub depth: Option<&'a dyn DepthSource>,
-    /// What samples its maps, where it lets that be chosen.
+    /// The filter of its maps, where it lets that be chosen.
     pub filter: Option<&'a dyn Filter>,
 }
 

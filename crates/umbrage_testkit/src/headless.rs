@@ -106,10 +106,10 @@ impl Canvas {
         })
     }
 
-    /// What was drawn, once all that was submitted is done.
+    /// The picture, once all that was submitted is done.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Refusals of the device.
     pub fn read(
         &self,
         device: &wgpu::Device,

@@ -1,4 +1,4 @@
-//! What tests of shadows are held against.
+//! Oracles and tools for tests of shadows.
 
 pub mod headless;
 pub mod pictures;

@@ -8,7 +8,7 @@ use crate::{Error, Program, ShadowResources, device, pack, pack_buffer};
 /// A device and its queue.
 pub type Gpu<'a> = (&'a wgpu::Device, &'a wgpu::Queue);
 
-/// What is bound.
+/// A resource to bind.
 #[derive(Clone, Debug)]
 pub enum Resource {
     /// All of a buffer.
@@ -96,7 +96,7 @@ impl ShadowResources {
         })
     }
 
-    /// What the shadow gives for `binding`; none where it has nothing of that name.
+    /// The shadow's resource for `binding`; none where it has nothing of that name.
     ///
     /// # Errors
     /// A value of another type than the shader's.
@@ -129,7 +129,7 @@ impl Program {
     /// The bind group number `group`, each binding as `resource` gives it; none where the shader reads nothing of it.
     ///
     /// # Errors
-    /// Those of `resource`.
+    /// Errors of `resource`.
     pub fn bind<E>(
         &self,
         device: &wgpu::Device,

@@ -33,7 +33,7 @@ pub enum Error {
         method: String,
         /// Names of features, as WebGPU has them.
         features: String,
-        /// What to choose in its place.
+        /// The choice in its place.
         instead: String,
     },
     /// A plan asks for what cannot be done: a part is at fault.
@@ -43,7 +43,7 @@ pub enum Error {
     BadPlan {
         /// The method.
         method: String,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
     /// A permutation reads what nobody gives it.
@@ -55,7 +55,7 @@ pub enum Error {
         binding: String,
         /// The module that declares it.
         module: String,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
     /// The engine could not draw its casters.
@@ -72,7 +72,7 @@ pub enum Error {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} has {size}, but the device allows from 1 to {limit}; change its size")]
 pub struct TooLarge {
-    /// What.
+    /// Its name.
     pub what: String,
     /// Its size, with the unit.
     pub size: String,
@@ -81,7 +81,7 @@ pub struct TooLarge {
 }
 
 impl Error {
-    /// What is wrong with a binding of a permutation.
+    /// A fault of a permutation's binding.
     pub fn binding(key: &Key, binding: &Binding, problem: impl ToString) -> Self {
         Self::Binding {
             key: key.to_string(),

@@ -32,7 +32,7 @@ pub struct Job<'a> {
     pub name: &'a str,
     /// The parts that make its shadow, and what is chosen for them.
     pub shadow: &'a CheckedShadow<'a>,
-    /// What they plan for.
+    /// The frame that they plan for.
     pub frame: &'a Frame<'a>,
     /// Which casters these are: one for each of the frame's.
     pub casters: &'a [Identity],
@@ -42,9 +42,9 @@ pub struct Job<'a> {
     pub constants: &'a Constants,
 }
 
-/// What a plan came to.
+/// A plan, executed.
 pub struct Executed {
-    /// What the light's shaders read.
+    /// Resources that the light's shaders read.
     pub resources: ShadowResources,
     /// The plan, and for each of its passes what became of it.
     pub plan: ShadowPlan,
@@ -52,10 +52,10 @@ pub struct Executed {
     pub runs: Vec<Run>,
 }
 
-/// What became of a pass.
+/// Outcome of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Run {
-    /// What it would fill stands there already.
+    /// Its targets stand already.
     Kept,
     /// It was recorded.
     Recorded,
@@ -150,7 +150,7 @@ impl Executor {
     /// The light's shadow: its parts plan, and what does not stand yet of their plan is recorded into `encoder`.
     ///
     /// # Errors
-    /// What the parts refuse, a plan that cannot be executed, faults of shaders, and what `host` says. The light is
+    /// Refusals of the parts, a plan that cannot be executed, faults of shaders, and errors of `host`. The light is
     /// forgotten then; what was recorded for it does no harm.
     pub fn shadow(
         &mut self,
@@ -358,7 +358,8 @@ impl<'a> Execution<'a> {
         Ok(runs)
     }
 
-    /// What `pass` depends on, and its shader where it draws no caster. Whatever can be refused before anything is recorded is.
+    /// All that `pass` depends on, and its shader where it draws no caster. Faults are told before anything is recorded, as far
+    /// as they can be.
     fn ready(&self, pass: &Pass, plan: &ShadowPlan, host: &mut dyn Host) -> Result<Ready, Error> {
         let mut record = Record {
             pass: pass.clone(),
@@ -546,7 +547,7 @@ impl<'a> Execution<'a> {
         Ok(())
     }
 
-    /// What a shader reads that draws no caster.
+    /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
         given.groups(self.shared.gpu(), program, &[("light", self.job.constants)])
     }

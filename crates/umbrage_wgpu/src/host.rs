@@ -35,12 +35,12 @@ pub type Times = (wgpu::QuerySet, [u32; 2]);
 /// Whether casters were drawn, and if not, why not, in the engine's own words.
 pub type Drawn = Result<(), Box<dyn StdError + Send + Sync>>;
 
-/// What an engine does while a plan is executed.
+/// An engine, while a plan of its is executed.
 pub trait Host {
     /// Draws casters into a pass: those at these places of the [frame](umbrage_shadow::Frame::casters)'s list, ascending.
     ///
     /// # Errors
-    /// Whatever keeps the engine from drawing them; the light then has no shadow.
+    /// The engine's own; the light then has no shadow.
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn;
 
     /// Where the times at the beginning and the end of `pass` are to be noted.

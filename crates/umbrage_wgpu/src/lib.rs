@@ -5,7 +5,7 @@
 //! asked to ([`Host::draw`]), and the engine gets the [`ShadowResources`] that its own shaders bind by name. Nothing here
 //! knows scenes, files, pictures or cameras, and nothing waits.
 //!
-//! # What is not drawn again
+//! # Maps that stand
 //! A texture is filled again only where that would change it: where one of the passes into it is described otherwise than
 //! the last time, draws other casters or casters of another [revision](Identity), or reads a texture that is filled again.
 //! So a frame in which nothing moved draws no map, whatever the method; no method knows.
@@ -25,8 +25,8 @@
 //! # An engine
 //! `examples/own_renderer` is one, with two lights, in 150 lines.
 //!
-//! # What is recorded
-//! What was recorded counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
+//! # Encoders that are not submitted
+//! A recorded pass counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
 
 mod bind;
 pub mod device;

@@ -1,4 +1,4 @@
-//! What stands in a plan's textures, so that nothing is drawn that stands there already.
+//! Records of what stands in a plan's textures, so that nothing is drawn that stands already.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ pub(crate) type Layer = (String, u32);
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Record {
     pub(crate) pass: Pass,
-    /// What positions are relative to.
+    /// The place that positions are relative to.
     pub(crate) origin: DVec3,
     /// The casters drawn, and the values that their shaders are chosen by.
     pub(crate) casters: Vec<Identity>,
@@ -27,7 +27,7 @@ pub(crate) struct Record {
 /// The passes into each layer, in order.
 pub(crate) type Layers = BTreeMap<Layer, Vec<Record>>;
 
-/// What was drawn for a light.
+/// All that was drawn for a light.
 #[derive(Default)]
 pub(crate) struct Memory {
     pub(crate) textures: Textures,

@@ -1,4 +1,4 @@
-//! What a shadow method's shader reads, on the device: textures, samplers, buffers.
+//! Resources of a shadow's shaders on the device: textures, samplers, buffers.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use umbrage_shadow::{
 
 use crate::{CheckedShadow, Error, device, program::STORED, targets::bad_plan};
 
-/// What `calc_shadow` reads, or a pass of its plan: each by the name of the binding that reads it.
+/// Resources of `calc_shadow`, or of a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]
 pub struct ShadowResources {
     /// Members of uniform blocks.
@@ -27,7 +27,7 @@ pub struct ShadowResources {
 }
 
 impl ShadowResources {
-    /// What a pass of the plan reads, under the names that it has for them.
+    /// Resources of a pass of the plan, under the names that it has for them.
     pub fn given_to(&self, reads: &Reads) -> Self {
         let mut given = self.clone();
         given.constants = reads.constants.clone();
@@ -89,7 +89,7 @@ pub(crate) fn textures(
     Ok((textures, new))
 }
 
-/// What shaders read of a plan, its constants and regions apart.
+/// Resources of a plan, its constants and regions apart.
 pub(crate) fn resources(
     device: &wgpu::Device,
     plan: &ShadowPlan,
@@ -184,7 +184,7 @@ fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
     desc.width.checked_mul(texel)
 }
 
-/// What `plan` fills the texture with, checked.
+/// Contents that `plan` has for the texture, checked.
 fn contents<'a>(
     shadow: &CheckedShadow<'_>,
     plan: &'a ShadowPlan,

@@ -51,7 +51,7 @@ impl<'a> CheckedShadow<'a> {
         axes.chain(own)
     }
 
-    /// What the parts plan for.
+    /// The frame that the parts plan for.
     pub fn frame<'f>(
         &'f self,
         (view, seen): (&'f View, Option<[f64; 2]>),

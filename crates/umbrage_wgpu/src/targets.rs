@@ -1,4 +1,4 @@
-//! What passes are drawn into, checked against what the plan has.
+//! Targets of passes, checked against the plan's textures.
 
 use umbrage_compose::{BindingKind, Permutation};
 use umbrage_shadow::{

@@ -1,4 +1,4 @@
-//! What a frame takes in which nothing moved, over one whose shadow maps are all drawn.
+//! Frames in which nothing moved, over frames whose shadow maps are all drawn.
 
 use std::{error::Error, path::Path as FilePath};
 

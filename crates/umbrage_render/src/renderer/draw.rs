@@ -294,7 +294,7 @@ impl Renderer {
     }
 }
 
-/// Those of a mesh's buffers that `permutation` reads, and the location that each is for.
+/// A mesh's buffers that `permutation` reads, and the location that each is for.
 fn read<'a>(
     permutation: &Permutation,
     layouts: Vec<wgpu::VertexBufferLayout<'a>>,

@@ -209,7 +209,7 @@ pub(super) fn key(
     Ok(library.key(choices)?)
 }
 
-/// What an object and its material choose.
+/// Choices of an object and its material.
 pub(super) fn object_axes(object: &Object) -> [(&str, &str); 4] {
     let switch = |on: bool| if on { "on" } else { "off" };
     let material = &object.material;
@@ -224,7 +224,7 @@ pub(super) fn object_axes(object: &Object) -> [(&str, &str); 4] {
     ]
 }
 
-/// What the options and the camera choose, for all objects and passes.
+/// Choices of the options and the camera, for all objects and passes.
 pub(super) fn choices(options: &RenderOptions, orthographic: bool) -> Vec<(&str, &str)> {
     let axes = options.axes.iter();
     let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));

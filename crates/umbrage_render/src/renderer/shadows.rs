@@ -123,7 +123,7 @@ fn own(error: umbrage_wgpu::Error) -> RenderError {
     }
 }
 
-/// What a plan took.
+/// Adds a plan's cost to the report.
 fn report(frame: &mut FrameState<'_>, executed: &Executed, draws: u32) {
     let report = &mut frame.report;
     report.fetches_per_pixel += executed.plan.fetches_per_pixel;
@@ -160,7 +160,7 @@ struct Stage<'s, 'f> {
     casting: &'s [usize],
     /// The light's name.
     light: &'s str,
-    /// What passes that draw no object run on behalf of: a receiver's name, or the air's.
+    /// Whose sake passes run for that draw no object: a receiver's name, or the air's.
     cause: &'s str,
     draws: u32,
 }
