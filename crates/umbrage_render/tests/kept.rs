@@ -208,3 +208,28 @@ fn what_is_made_of_a_map_may_change_by_itself() {
     );
     assert_eq!(runs(&report).iter().sum::<u32>(), first);
 }
+
+/// A picture that fails half-way has recorded maps that are never drawn: they do not count as standing.
+#[test]
+fn a_picture_that_fails_keeps_no_map() {
+    let (mut renderer, sound) = (renderer(methods()), scene("bunny_sun"));
+    let mut broken = sound.clone();
+    // It casts nothing, so that its fault is met after the maps are recorded.
+    let ground = broken.objects.iter_mut().find(|o| o.name == "ground");
+    let ground = ground.expect("a ground");
+    let mut mesh = (*ground.mesh).clone();
+    mesh.normals.pop();
+    ground.mesh = Arc::new(mesh);
+    let mut material = (*ground.material).clone();
+    material.casts = false;
+    ground.material = Arc::new(material.clone());
+    let mut sound = sound;
+    let ground = sound.objects.iter_mut().find(|o| o.name == "ground");
+    ground.expect("a ground").material = Arc::new(material);
+    let options = options("basic", &[]);
+    renderer
+        .render(&broken, &options)
+        .expect_err("a mesh whose arrays do not fit");
+    let [run, kept] = runs(&render(&mut renderer, &sound, &options));
+    assert!(run > 0 && kept == 0, "{run}, {kept}");
+}

@@ -38,13 +38,7 @@ impl Resource {
             ));
         };
         let bytes = pack(layout, constants).map_err(|e| Error::binding(key, binding, e))?;
-        let usage = wgpu::BufferUsages::UNIFORM;
-        Ok(Self::Buffer(device::buffer(
-            gpu,
-            &binding.name,
-            usage,
-            &bytes,
-        )?))
+        Self::buffer(gpu, binding, wgpu::BufferUsages::UNIFORM, &bytes)
     }
 
     /// A storage buffer that holds `value` as `binding` lays it out.
@@ -66,13 +60,17 @@ impl Resource {
         };
         let bytes = pack_buffer(&binding.name, (layout, *run_time), value)
             .map_err(|error| Error::binding(key, binding, error))?;
-        let usage = wgpu::BufferUsages::STORAGE;
-        Ok(Self::Buffer(device::buffer(
-            gpu,
-            &binding.name,
-            usage,
-            &bytes,
-        )?))
+        Self::buffer(gpu, binding, wgpu::BufferUsages::STORAGE, &bytes)
+    }
+
+    fn buffer(
+        gpu: Gpu<'_>,
+        binding: &Binding,
+        usage: wgpu::BufferUsages,
+        bytes: &[u8],
+    ) -> Result<Self, Error> {
+        let made = device::buffer(gpu, &binding.name, usage, bytes)?;
+        Ok(Self::Buffer(made))
     }
 }
 

@@ -3,13 +3,13 @@
 use std::{collections::HashMap, error::Error as StdError, sync::Arc};
 
 use glam::Mat4;
-use umbrage_compose::{Composed, Stage};
+use umbrage_compose::Composed;
 use umbrage_shadow::{Constants, Pass};
 
 use crate::{
     DrawState, Error, Pipeline, Resource,
     execute::{Choices, Shared},
-    reads_facing,
+    reads_facing, vertices_read,
 };
 
 /// Which caster it is, and in what state: a map is drawn again where either is another.
@@ -99,17 +99,7 @@ impl<'e> Draws<'_, 'e> {
         if mirrored && (state.cull.is_some() || reads_facing(&composed.permutation)) {
             state.front = wgpu::FrontFace::Cw;
         }
-        let entry = composed.permutation.reflection.entry_point(Stage::Vertex);
-        let inputs = entry.map_or(&[][..], |entry| &entry.inputs);
-        let is_read = |layout: &wgpu::VertexBufferLayout<'_>| {
-            let mut locations = layout.attributes.iter().map(|a| a.shader_location);
-            locations.any(|location| inputs.iter().any(|input| input.location == location))
-        };
-        let read = vertices
-            .iter()
-            .enumerate()
-            .filter(|(_, layout)| is_read(layout));
-        let (places, layouts): (Vec<_>, Vec<_>) = read.map(|(i, v)| (i, v.clone())).unzip();
+        let (places, layouts) = vertices_read(&composed.permutation, vertices);
         let pipeline = (self.shared).pipeline(&composed.permutation, state, &layouts)?;
         Ok(Prepared {
             pipeline,

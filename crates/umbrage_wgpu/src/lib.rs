@@ -46,7 +46,8 @@ pub use execute::{Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
-    ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED, reads_facing,
+    ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED,
+    reads_facing, vertices_read,
 };
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};

@@ -230,6 +230,22 @@ const fn blend(
     }
 }
 
+/// Those of vertex buffers' `layouts` that `permutation` reads: their places among all, and themselves.
+pub fn vertices_read<'a>(
+    permutation: &Permutation,
+    layouts: &[wgpu::VertexBufferLayout<'a>],
+) -> (Vec<usize>, Vec<wgpu::VertexBufferLayout<'a>>) {
+    let entry = permutation.reflection.entry_point(Stage::Vertex);
+    let inputs = entry.map_or(&[][..], |entry| &entry.inputs);
+    let is_read = |layout: &wgpu::VertexBufferLayout<'_>| {
+        let mut locations = layout.attributes.iter().map(|a| a.shader_location);
+        locations.any(|location| inputs.iter().any(|input| input.location == location))
+    };
+    let all = layouts.iter().enumerate();
+    let read = all.filter(|(_, layout)| is_read(layout));
+    read.map(|(place, layout)| (place, layout.clone())).unzip()
+}
+
 /// Whether a fragment asks which side of its triangle is seen.
 pub fn reads_facing(permutation: &Permutation) -> bool {
     let facing = Some(wgpu::naga::Binding::BuiltIn(

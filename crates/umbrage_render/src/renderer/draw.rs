@@ -7,9 +7,9 @@ use std::{
 };
 
 use glam::{Mat4, Vec3};
-use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose, Stage};
+use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose};
 use umbrage_shadow::Constants;
-use umbrage_wgpu::{DrawState, Pipeline, Resource, ShadowResources, reads_facing};
+use umbrage_wgpu::{DrawState, Pipeline, Resource, ShadowResources, reads_facing, vertices_read};
 
 use super::{
     RenderOptions, Renderer,
@@ -198,7 +198,9 @@ impl Renderer {
                 continue;
             }
             let permutation = self.compose(frame, inputs, &object.name, Some(object))?;
-            let (vertices, attributes) = read(&permutation, layouts(object));
+            let (_, vertices) = vertices_read(&permutation, &layouts(object));
+            let locations = vertices.iter().map(|v| v.attributes[0].shader_location);
+            let attributes = locations.collect();
             let pipeline = self.pipeline(&permutation, &inputs.state, mirrored, &vertices)?;
             let mut groups = Vec::new();
             for group in 0..pipeline.program.groups.len() {
@@ -292,21 +294,4 @@ impl Renderer {
         }
         Ok(self.executor.pipeline(permutation, state, vertices)?)
     }
-}
-
-/// A mesh's buffers that `permutation` reads, and the location that each is for.
-fn read<'a>(
-    permutation: &Permutation,
-    layouts: Vec<wgpu::VertexBufferLayout<'a>>,
-) -> (Vec<wgpu::VertexBufferLayout<'a>>, Vec<u32>) {
-    let entry = permutation.reflection.entry_point(Stage::Vertex);
-    let inputs = entry.map_or(&[][..], |entry| &entry.inputs);
-    let own = layouts.into_iter().filter_map(|layout| {
-        let location = layout.attributes.first()?.shader_location;
-        let mut inputs = inputs.iter();
-        inputs
-            .any(|input| input.location == location)
-            .then_some((layout, location))
-    });
-    own.unzip()
 }

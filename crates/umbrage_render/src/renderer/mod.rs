@@ -218,6 +218,9 @@ impl Renderer {
             // What was made along with the error may be broken.
             self.assets = Assets::default();
             self.executor.clear();
+        } else if matches!(done, Ok(Err(_))) {
+            // What was recorded of shadow maps was not drawn.
+            self.executor.retain(|_| false);
         }
         let mut rendered = done??;
         rendered.report.milliseconds = 1e3 * started.elapsed().as_secs_f64();
