@@ -1,4 +1,4 @@
-//! What stands in shadow maps is not drawn again, and nothing else is kept.
+//! Shadow maps that stand are not drawn again, and nothing else is kept.
 
 mod common;
 
@@ -106,7 +106,7 @@ fn a_still_scene_draws_no_map() {
     }
 }
 
-/// Whatever changes what a map holds has it drawn again, and all that is made of it.
+/// A map whose contents change is drawn again, and all that is made of it.
 #[test]
 fn what_moves_is_drawn_again() {
     type Change = (&'static str, fn(&mut Scene));
@@ -160,7 +160,7 @@ fn what_moves_is_drawn_again() {
     }
 }
 
-/// What is chosen for one light leaves the maps of others alone.
+/// Choices for one light leave the maps of others alone.
 #[test]
 fn other_lights_keep_their_maps() {
     let mut scene = scene("bunny_sun");

@@ -61,16 +61,6 @@ pub enum Run {
     Recorded,
 }
 
-/// Values of axes: the first ones, and those that take their place.
-#[derive(Clone, Copy)]
-pub(crate) struct Choices<'a>(pub(crate) &'a [(&'a str, &'a str)]);
-
-impl<'a> Choices<'a> {
-    pub(crate) fn iter(self) -> impl Iterator<Item = (&'a str, &'a str)> {
-        self.0.iter().copied()
-    }
-}
-
 /// Vertex buffers, as a pipeline has them.
 type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
 
@@ -455,7 +445,7 @@ impl<'a> Execution<'a> {
             shared: &mut *self.shared,
             pass: recorded,
             shader: &pass.shader,
-            choices: Choices(self.job.choices),
+            choices: self.job.choices,
             state,
             view_proj: pass.view_proj,
             groups: HashMap::new(),

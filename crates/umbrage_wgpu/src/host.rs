@@ -6,11 +6,7 @@ use glam::Mat4;
 use umbrage_compose::Composed;
 use umbrage_shadow::{Constants, Pass};
 
-use crate::{
-    DrawState, Error, Pipeline, Resource,
-    execute::{Choices, Shared},
-    reads_facing, vertices_read,
-};
+use crate::{DrawState, Error, Pipeline, Resource, execute::Shared, reads_facing, vertices_read};
 
 /// Which caster it is, and in what state: a map is drawn again where either is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,7 +56,7 @@ pub struct Draws<'a, 'e> {
     pub(crate) shared: &'a mut Shared,
     pub(crate) pass: wgpu::RenderPass<'e>,
     pub(crate) shader: &'a str,
-    pub(crate) choices: Choices<'a>,
+    pub(crate) choices: &'a [(&'a str, &'a str)],
     pub(crate) state: DrawState,
     pub(crate) view_proj: Mat4,
     /// The groups that hold the pass's own block, by pipeline.
@@ -93,7 +89,9 @@ impl<'e> Draws<'_, 'e> {
     ) -> Result<Prepared, Error> {
         let pass = [("pass", self.shader)];
         let axes = pass.iter().chain(axes).copied();
-        let composed = self.shared.compose(axes.chain(self.choices.iter()))?;
+        let composed = self
+            .shared
+            .compose(axes.chain(self.choices.iter().copied()))?;
         let mut state = self.state.clone();
         // Where it makes no difference which side is the front, one pipeline serves both.
         if mirrored && (state.cull.is_some() || reads_facing(&composed.permutation)) {

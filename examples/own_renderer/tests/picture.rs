@@ -1,4 +1,4 @@
-//! What the example draws, and how long it is.
+//! The example's picture, and its length.
 
 use std::{path::Path, process::Command};
 

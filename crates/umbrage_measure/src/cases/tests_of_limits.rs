@@ -406,7 +406,7 @@ fn a_twin_must_have_its_figure() {
     assert!(passed(Some(0.1)) && !passed(Some(0.2)) && !passed(None));
 }
 
-/// What a table adds to the project's own.
+/// Additions of a table to the project's own.
 #[test]
 fn a_table_may_extend_the_projects_own() {
     let own = r#"( // "basic"

@@ -190,7 +190,7 @@ pub(super) struct Stock<'a> {
 }
 
 impl Stock<'_> {
-    /// What an object's material gives for `binding`.
+    /// The resource of an object's material for `binding`.
     pub(super) fn material(
         &mut self,
         gpu: &Gpu,
