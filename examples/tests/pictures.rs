@@ -12,7 +12,7 @@ use std::{
 use umbrage::{
     compose::{Composer, Manifest, Target},
     methods::registry,
-    render::{Gpu, RenderOptions, Rendered, Renderer, Scene, What},
+    render::{Gpu, RenderOptions, Rendered, Renderer, Scene, Shadow, What},
     shader_library,
 };
 use umbrage_testkit::pictures::{self, Difference};
@@ -74,7 +74,7 @@ fn render(
         width,
         height,
         what,
-        method: method.map(str::to_owned),
+        shadow: method.map(Shadow::new).unwrap_or_default(),
         ..RenderOptions::default()
     };
     renderer.render(&scene, &options).expect("a picture")

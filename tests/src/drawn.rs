@@ -45,12 +45,12 @@ pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey
     }
     let small = |config: Config| {
         let mut config = config;
-        config.settings.insert("resolution".to_owned(), MAP);
+        config.shadow = config.shadow.with_setting("resolution", MAP);
         config
     };
     let configs = Config::standard(&methods, &registry, library)?;
     let limits = Limits::built_in()?;
-    let variants = Config::variants(&limits, &methods, &registry, library)?;
+    let variants = limits.variants_of(&methods, &registry, library)?;
     let mut lab = Lab::new(Arc::clone(gpu), Arc::clone(composer), registry);
     let options = CompareOptions {
         size: SIZE,

@@ -98,7 +98,7 @@
 //!
 //! // And a scene, drawn with it.
 //! use std::sync::Arc;
-//! use umbrage::render::{Gpu, RenderOptions, Renderer, Scene};
+//! use umbrage::render::{Gpu, RenderOptions, Renderer, Scene, Shadow};
 //!
 //! let mut registry = umbrage::methods::registry()?;
 //! registry.methods.add(Canopy)?;
@@ -107,7 +107,7 @@
 //! let options = RenderOptions {
 //!     width: 64,
 //!     height: 36,
-//!     method: Some("canopy".to_owned()),
+//!     shadow: Shadow::new("canopy"),
 //!     ..RenderOptions::default()
 //! };
 //! let rendered = renderer.render(&scene, &options)?;

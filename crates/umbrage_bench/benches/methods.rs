@@ -26,7 +26,7 @@ use umbrage_measure::{
     report::{Row, Spread},
     study::{CompareOptions, Config, Lab, compare},
 };
-use umbrage_render::{Gpu, Renderer, Scene};
+use umbrage_render::{Gpu, Renderer, Scene, Shadow};
 
 use crate::timing::Way;
 
@@ -188,27 +188,24 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn config(method: &str, name: &str, lookup: &str) -> Config {
-    let mut axes = BTreeMap::from([("pcf".to_owned(), "3".to_owned())]);
-    let mut settings = BTreeMap::from([("resolution".to_owned(), 2048.0)]);
-    if method == "pssm" {
-        axes.insert("lookup".to_owned(), lookup.to_owned());
-        settings = BTreeMap::from([
-            ("resolution".to_owned(), 1024.0),
-            ("splits".to_owned(), 4.0),
-        ]);
-    }
+    let shadow = Shadow::new(method).with("pcf", "3");
+    let shadow = match method {
+        "pssm" => shadow
+            .with("lookup", lookup)
+            .with_setting("resolution", 1024.0)
+            .with_setting("splits", 4.0),
+        _ => shadow.with_setting("resolution", 2048.0),
+    };
     Config {
         name: name.to_owned(),
-        method: method.to_owned(),
-        axes,
-        settings,
+        shadow,
         ..Config::default()
     }
 }
 
 fn midpoint(depth: &str) -> Config {
     let mut config = config("basic", depth, "");
-    config.axes.insert("depth".to_owned(), depth.to_owned());
+    config.shadow = config.shadow.with("depth", depth);
     config
 }
 

@@ -48,6 +48,8 @@ impl Axis {
 pub(crate) struct Effect {
     pub(crate) root: Option<String>,
     pub(crate) pass: Option<Pass>,
+    /// The interface whose implementations the root calls in turn, one for each key of a shader of several.
+    pub(crate) each: Option<String>,
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
     pub(crate) count_fetches: Option<CountFetches>,
@@ -80,6 +82,7 @@ impl CountFetches {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct EffectNumbers {
     pub(crate) root: Option<usize>,
+    pub(crate) each: Option<usize>,
     pub(crate) bind: Vec<(usize, usize)>,
     pub(crate) features: Bits,
     pub(crate) counting: Option<Counting>,
@@ -306,7 +309,7 @@ impl Axes {
             axis.doc = doc;
         }
         for (value, effect) in file.values {
-            if effect.pass.is_some() && effect.root.is_none() {
+            if (effect.pass.is_some() || effect.each.is_some()) && effect.root.is_none() {
                 let message = format!("`{value}` of `{name}` tells of a pass, and has no root");
                 return Err(Fault::new(Cause::Manifest, message)
                     .at(ron_text::literal(source, &[&name, &value]))
@@ -320,6 +323,7 @@ impl Axes {
             let effect = Effect {
                 root: effect.root.map(own),
                 pass: effect.pass,
+                each: effect.each.map(own),
                 bind: effect
                     .bind
                     .into_iter()
@@ -423,6 +427,8 @@ struct EffectFile {
     root: Option<String>,
     #[serde(default)]
     pass: Option<Pass>,
+    #[serde(default)]
+    each: Option<String>,
     #[serde(default, deserialize_with = "ron_text::unique")]
     bind: BTreeMap<String, String>,
     #[serde(default)]

@@ -34,6 +34,8 @@ pub enum Cause {
     Recursion,
     /// The linked permutation is not valid on the target.
     Validation,
+    /// A stage uses more resources of a kind than the target allows.
+    Limit,
 }
 
 /// A place in an author's file.

@@ -57,6 +57,8 @@ struct PackageEntry {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Request {
     pub(crate) root: usize,
+    /// The interface whose implementations the root calls in turn.
+    pub(crate) each: Option<usize>,
     /// Interfaces and the modules that implement them.
     pub(crate) bindings: BTreeMap<usize, usize>,
     pub(crate) features: Bits,
@@ -111,6 +113,7 @@ impl Library {
             let bound = effect.bind.iter();
             effect.numbers = EffectNumbers {
                 root: effect.root.as_ref().and_then(module),
+                each: effect.each.as_ref().and_then(module),
                 bind: bound
                     .filter_map(|(k, v)| Some((module(k)?, module(v)?)))
                     .collect(),
@@ -359,6 +362,7 @@ impl Library {
         let mut request = Request::default();
         for (_, effect) in self.axes().effects(key) {
             root = effect.numbers.root.or(root);
+            request.each = effect.numbers.each.or(request.each);
             request.bindings.extend(effect.numbers.bind.iter().copied());
             request.features.union(&effect.numbers.features);
             request.counting.extend(effect.numbers.counting.clone());
@@ -382,6 +386,7 @@ impl Library {
                     .iter()
                     .flat_map(|(k, v)| [k, v])
                     .chain(&effect.root)
+                    .chain(&effect.each)
                     .map(String::as_str)
                     .chain(effect.count_fetches.iter().flat_map(CountFetches::modules));
                 for path in modules {
@@ -390,7 +395,7 @@ impl Library {
                         return Err(self.in_axes(fault, &[&axis.name, "values", value]).into());
                     }
                 }
-                for interface in effect.bind.keys() {
+                for interface in effect.bind.keys().chain(&effect.each) {
                     let module = self.module(interface);
                     if module.is_some_and(|module| !self.source(module).is_interface()) {
                         let message = format!("`{interface}` is no interface");

@@ -104,6 +104,9 @@ pub struct Binding {
     pub module: String,
     /// Its name in that module. The permutation's WGSL uses the same name, unless another module's resource has it.
     pub name: String,
+    /// Of a permutation of [several keys](crate::Composer::compose_all), the place of the key that it belongs to; 0 as
+    /// well for what is there once.
+    pub instance: usize,
     /// The stages that use it.
     pub stages: Vec<Stage>,
     /// What it is.
@@ -150,6 +153,22 @@ pub enum BindingKind {
         /// Whether it compares.
         comparison: bool,
     },
+}
+
+impl BindingKind {
+    /// The layout of a block of constants: of a uniform buffer, or of a storage buffer of a fixed size that the shader only
+    /// reads.
+    pub fn block(&self) -> Option<&Layout> {
+        match self {
+            Self::Uniform(layout)
+            | Self::Storage {
+                read_only: true,
+                run_time: false,
+                layout,
+            } => Some(layout),
+            _ => None,
+        }
+    }
 }
 
 /// A texture's shape.
@@ -239,10 +258,17 @@ pub enum MemberType {
 
 /// Reflects a valid `module`. `used` tells whether an entry point uses a variable, `owner` gives the module and name
 /// that a variable came from, `settable` the overrides that may be set, and `size` an entry point's workgroup size.
+/// Declaration of a variable: its module's path, its name there, and its instance.
+pub(crate) struct Owner {
+    pub(crate) module: String,
+    pub(crate) name: String,
+    pub(crate) instance: usize,
+}
+
 pub(crate) fn reflect(
     module: &Module,
     used: impl Fn(usize, Handle<GlobalVariable>) -> bool,
-    owner: impl Fn(Handle<GlobalVariable>) -> Option<(String, String)>,
+    owner: impl Fn(Handle<GlobalVariable>) -> Option<Owner>,
     settable: Vec<Override>,
     size: impl Fn(&naga::EntryPoint) -> [u32; 3],
 ) -> Reflection {
@@ -260,12 +286,13 @@ pub(crate) fn reflect(
         .iter()
         .filter_map(|(handle, global)| {
             let at = global.binding?;
-            let (module_path, name) = owner(handle)?;
+            let owner = owner(handle)?;
             Some(Binding {
                 group: at.group,
                 binding: at.binding,
-                module: module_path,
-                name,
+                module: owner.module,
+                name: owner.name,
+                instance: owner.instance,
                 stages: stages(module, |entry| used(entry, handle)),
                 kind: kind(module, global)?,
             })
@@ -482,6 +509,7 @@ mod tests {
             module: "demo::pass".to_owned(),
             name: format!("b{group}{binding}"),
             stages: vec![Stage::Fragment],
+            instance: 0,
             kind: BindingKind::Sampler { comparison: false },
         };
         let reflection = Reflection {

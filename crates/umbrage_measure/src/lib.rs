@@ -143,7 +143,12 @@
 //! as wide and high.
 
 pub mod cases;
+mod config;
+mod error;
 pub mod figures;
 pub mod report;
 pub mod study;
 pub mod truth;
+
+use config::Config;
+use error::StudyError;

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, sync::Arc};
 use umbrage_compose::{Composer, Library, Target};
 use umbrage_measure::{
     cases::{self, Limits},
-    study::{Config, Lab, stress},
+    study::{Lab, stress},
 };
 use umbrage_render::Gpu;
 
@@ -17,7 +17,7 @@ fn every_variant_meets_its_limits_and_needs_its_exceptions() {
     let registry = umbrage_methods::registry().expect("names are unique");
     let methods: Vec<_> = registry.methods.names().map(str::to_owned).collect();
     let limits = Limits::built_in().expect("a sound table");
-    let variants = Config::variants(&limits, &methods, &registry, composer.library());
+    let variants = limits.variants_of(&methods, &registry, composer.library());
     let variants = variants.expect("sound variants");
     let listed: BTreeSet<_> = limits.variants().iter().map(|v| v.name.as_str()).collect();
     let tried: BTreeSet<_> = variants.iter().map(|v| v.name.as_str()).collect();

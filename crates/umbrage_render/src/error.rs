@@ -2,6 +2,7 @@
 
 use std::{io, path::PathBuf};
 
+use umbrage_compose::Cause;
 use umbrage_shadow::PlanError;
 use umbrage_wgpu::ShadowError;
 
@@ -102,4 +103,11 @@ pub enum RenderError {
         /// Why.
         source: io::Error,
     },
+}
+
+impl RenderError {
+    /// Whether a shader uses more than the target allows a stage.
+    pub(crate) fn is_limit(&self) -> bool {
+        matches!(self, Self::Compose(error) if error.faults().iter().any(|f| f.cause == Cause::Limit))
+    }
 }

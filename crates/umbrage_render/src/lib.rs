@@ -8,8 +8,8 @@
 //! 1. What the camera may see is found, and for each light what of it the light may reach.
 //! 2. For each light that has a shadow method, the method plans, and the plan is executed: casters
 //!    into shadow maps.
-//! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up. In the
-//!    [mask path](Path::Mask) each light's shadow term is found before, in a pass over the picture.
+//! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up, or
+//!    [one for all](Path::ForwardAll). In the [mask path](Path::Mask) each light's shadow term is found before, in a pass over the picture.
 //!
 //! Which shaders that takes is decided object by object: a permutation is composed when an object
 //! that needs it first lies in the region of a light, and never before. Layouts of bind groups,

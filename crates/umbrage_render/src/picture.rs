@@ -2,7 +2,7 @@
 
 use std::{io::Cursor, path::Path};
 
-use umbrage_compose::{Permutation, ProjectedKey, Purpose, Source};
+use umbrage_compose::{Key, Permutation, ProjectedKey, Purpose, Source};
 use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
@@ -174,6 +174,8 @@ pub struct PassTime {
 pub struct PermutationUse {
     /// Its projected key.
     pub key: ProjectedKey,
+    /// The same of the further lights that it is for.
+    pub others: Vec<ProjectedKey>,
     /// Use of its pass's results.
     pub purpose: Purpose,
     /// Whether it was linked for this picture, or came from a cache.
@@ -182,6 +184,14 @@ pub struct PermutationUse {
     pub object: String,
     /// The light that first needed it, where one did.
     pub light: Option<String>,
+}
+
+impl PermutationUse {
+    /// Its keys: of a shader of several lights, one for each.
+    pub fn keys(&self) -> Vec<Key> {
+        let keys = std::iter::once(&self.key).chain(&self.others);
+        keys.cloned().map(Key::from).collect()
+    }
 }
 
 impl Report {

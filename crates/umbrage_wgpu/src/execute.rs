@@ -12,7 +12,7 @@ use umbrage_shadow::{
 
 use crate::{
     CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity,
-    Pipeline, Program, ShadowResources, Times,
+    Pipeline, Program, ShadowResources, Times, Unfiltered, bind,
     record::{self, Memory, Record},
     resources::{self, unfiltered},
     targets::{attachment, check_regions, depth_attachment, is_depth, is_floats},
@@ -64,13 +64,16 @@ pub enum Run {
 /// Vertex buffers, as a pipeline has them.
 type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
 
+/// The keys of a permutation.
+type Keys = Vec<ProjectedKey>;
+
 /// A device, and what was made for it.
 pub(crate) struct Shared {
     pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     composer: Arc<Composer>,
-    pipelines: HashMap<(ProjectedKey, DrawState, Vertices), Arc<Pipeline>>,
-    computations: HashMap<(ProjectedKey, BTreeSet<String>), Arc<Computation>>,
+    pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
+    computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
 }
 
 impl Shared {
@@ -96,7 +99,11 @@ impl Shared {
     ) -> Result<Arc<Pipeline>, Error> {
         let owned = vertices.iter();
         let owned = owned.map(|v| (v.array_stride, v.step_mode, v.attributes.to_vec()));
-        let id = (permutation.key.clone(), state, owned.collect());
+        let id = (
+            permutation.keys().cloned().collect(),
+            state,
+            owned.collect(),
+        );
         if let Some(known) = self.pipelines.get(&id) {
             return Ok(Arc::clone(known));
         }
@@ -109,9 +116,9 @@ impl Shared {
     fn computation(
         &mut self,
         permutation: &Arc<Permutation>,
-        unfiltered: BTreeSet<String>,
+        unfiltered: Unfiltered,
     ) -> Result<Arc<Computation>, Error> {
-        let id = (permutation.key.clone(), unfiltered);
+        let id = (permutation.keys().cloned().collect(), unfiltered);
         if let Some(known) = self.computations.get(&id) {
             return Ok(Arc::clone(known));
         }
@@ -214,7 +221,7 @@ impl Executor {
     pub fn computation(
         &mut self,
         permutation: &Arc<Permutation>,
-        unfiltered: BTreeSet<String>,
+        unfiltered: Unfiltered,
     ) -> Result<Arc<Computation>, Error> {
         self.shared.computation(permutation, unfiltered)
     }
@@ -297,7 +304,8 @@ impl<'a> Execution<'a> {
             new.insert(name.clone());
             memory.contents.insert(name, bytes);
         }
-        let resources = resources::resources(&shared.device, plan, &memory.textures);
+        let mut resources = resources::resources(&shared.device, plan, &memory.textures);
+        resources.light = job.constants.clone();
         let own = job.shadow.choices(job.frame.light);
         let choices = job.choices.iter().copied().chain(own).collect();
         Ok(Self {
@@ -486,7 +494,7 @@ impl<'a> Execution<'a> {
             }),
             depth: deep.then_some(desc.format),
             write_depth: deep,
-            unfiltered: unfiltered(Some(&given)),
+            unfiltered: unfiltered(&[&given]),
             ..DrawState::NOTHING
         };
         let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
@@ -519,7 +527,7 @@ impl<'a> Execution<'a> {
         composed: &Composed,
     ) -> Result<(), Error> {
         let given = self.resources.given_to(&pass.reads);
-        let unfiltered = unfiltered(Some(&given));
+        let unfiltered = unfiltered(&[&given]);
         let computation = self.shared.computation(&composed.permutation, unfiltered)?;
         let groups = self.groups(&computation.program, &given)?;
         let mut recorded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -539,7 +547,7 @@ impl<'a> Execution<'a> {
 
     /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        given.groups(self.shared.gpu(), program, &[("light", self.job.constants)])
+        bind::groups(self.shared.gpu(), program, &[given], &[])
     }
 }
 

@@ -134,7 +134,7 @@ impl<'e> Draws<'_, 'e> {
                 continue;
             }
             let bound = program.bind(gpu.0, group, |binding| match binding.name.as_str() {
-                FRAME => Resource::uniform(gpu, key, binding, &constants),
+                FRAME => Resource::block(gpu, key, binding, &constants),
                 _ => {
                     let problem = "the shader reads it beside `frame`, but a pass of casters gives nothing else";
                     Err(Error::binding(key, binding, problem))

@@ -4,7 +4,7 @@ use std::{path::Path, process::Command, sync::Arc};
 
 use umbrage::{
     compose::{Composer, Library, Target},
-    render::{Gpu, Picture, RenderOptions, Renderer, Scene, What},
+    render::{Gpu, Picture, RenderOptions, Renderer, Scene, Shadow, What},
 };
 use umbrage_example_vsm::{Vsm, package};
 use umbrage_testkit::pictures;
@@ -31,14 +31,11 @@ fn scene(name: &str) -> Scene {
 }
 
 fn options(method: &str, filter: &str) -> RenderOptions {
-    let axes = [("filter", filter), ("pcf", "5")];
-    let axes = axes.map(|(axis, value)| (axis.to_owned(), value.to_owned()));
     RenderOptions {
         width: 160,
         height: 90,
         what: What::ShadowTerm,
-        method: Some(method.to_owned()),
-        axes: axes.into(),
+        shadow: Shadow::new(method).with("filter", filter).with("pcf", "5"),
         ..RenderOptions::default()
     }
 }

@@ -3,11 +3,11 @@
 use std::{collections::BTreeMap, fmt, sync::LazyLock};
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
-use umbrage_compose::{Error, Fault, RonFile};
-use umbrage_hints::did_you_mean;
+use umbrage_compose::{Error, Fault, Library, RonFile};
+use umbrage_shadow::Registry;
 
-use super::judge::{NEVER_EXCEPTED, figure_names};
-use crate::study::Config;
+use super::figure::{Excepted, Figure, known, unknown};
+use crate::{Config, StudyError};
 
 /// The limits of all hard cases, and the variants of methods that are held to them.
 ///
@@ -197,6 +197,38 @@ impl Limits {
     /// The variants, in the file's order. Their methods, axes and settings are not checked.
     pub fn variants(&self) -> &[Config] {
         &self.table.variants
+    }
+
+    /// Variants of `methods` to be held against the limits: those that the table lists of each; a method of which it lists
+    /// none with its defaults, by its own name.
+    ///
+    /// # Errors
+    /// A method that is not registered; a variant with an axis, a value or a setting that its method does not
+    /// have, with the place in the table; a method without a variant that is called as another's is.
+    pub fn variants_of(
+        &self,
+        methods: &[String],
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Config>, StudyError> {
+        let plain = |method: &str| Ok(vec![Config::plain(method, method)]);
+        let variants = Config::of_each(methods, registry, self.variants(), plain)?;
+        for variant in &variants {
+            let listed = self.variants().iter().find(|v| v.name == variant.name);
+            let checked = match listed
+                .filter(|listed| listed.shadow.method != variant.shadow.method)
+            {
+                Some(listed) => Err(format!(
+                    "a variant of `{}` is called as the method `{}`; rename it, or list a variant of that method",
+                    listed.shadow.method, variant.name
+                )),
+                None => variant.check(registry, library),
+            };
+            checked.map_err(|problem| {
+                umbrage_compose::Error::from(self.fault(&variant.name, problem))
+            })?;
+        }
+        Ok(variants)
     }
 
     /// Why the table has a variant not be tried in a case; none where it is to be.
@@ -463,14 +495,6 @@ static CASES: LazyLock<Vec<&'static str>> =
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct CaseName(pub(super) &'static str);
 
-/// The name of a figure that there is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Figure(pub(super) &'static str);
-
-/// A figure that a variant may be excepted from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Excepted(pub(super) Figure);
-
 /// A reason; it says something.
 #[derive(Clone, Debug)]
 pub(super) struct Reason(pub(super) String);
@@ -481,46 +505,9 @@ impl fmt::Display for CaseName {
     }
 }
 
-impl fmt::Display for Figure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0)
-    }
-}
-
-impl fmt::Display for Excepted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
 impl<'de> Deserialize<'de> for CaseName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         known("case", &String::deserialize(deserializer)?, &CASES).map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Figure {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        known(
-            "figure",
-            &String::deserialize(deserializer)?,
-            figure_names(),
-        )
-        .map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Excepted {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let figure = Figure::deserialize(deserializer)?;
-        if NEVER_EXCEPTED.contains(&figure.0) {
-            let message = format!(
-                "no method is excepted from the limit of `{}`; mend the method",
-                figure.0
-            );
-            return Err(D::Error::custom(message));
-        }
-        Ok(Self(figure))
     }
 }
 
@@ -534,23 +521,4 @@ impl<'de> Deserialize<'de> for Reason {
         }
         Ok(Self(reason))
     }
-}
-
-/// The name as `known` has it.
-fn known<E: serde::de::Error>(
-    what: &str,
-    name: &str,
-    known: &[&'static str],
-) -> Result<&'static str, E> {
-    let found = known.iter().find(|known| **known == name).copied();
-    found.ok_or_else(|| E::custom(unknown(what, name, known.iter().copied())))
-}
-
-/// That there is no such name, and which was meant or may be.
-fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    let hint = match did_you_mean(name, known.clone()) {
-        Some(question) => format!("; {question}"),
-        None => format!(" (known: {})", known.collect::<Vec<_>>().join(", ")),
-    };
-    format!("there is no {what} `{name}`{hint}")
 }

@@ -4,6 +4,7 @@
 mod depth;
 mod direction;
 mod empty;
+mod figure;
 mod form;
 mod judge;
 mod limits;
@@ -27,10 +28,11 @@ use umbrage_render::{Camera, RenderOptions, Scene};
 use umbrage_shadow::Choice;
 
 pub use self::{
-    judge::{DIFFERS, Miss, Verdict},
+    figure::DIFFERS,
+    judge::{Miss, Verdict},
     limits::{Limit, Limits},
 };
-use crate::study::Config;
+use crate::Config;
 
 /// A scene that is hard to shadow.
 #[derive(Clone, Debug)]
@@ -72,7 +74,7 @@ impl Case {
         let mut options = variant.options(self.size);
         for (axis, value) in &self.axes {
             if choice.axes().contains(axis) {
-                choose(&mut options.axes, axis, (*value).to_owned())?;
+                choose(&mut options.shadow.axes, axis, (*value).to_owned())?;
             }
         }
         for (name, value) in &self.settings {
@@ -80,7 +82,7 @@ impl Case {
             if let Some(setting) = settings.iter().find(|s| s.name == *name) {
                 // As near to what makes the case as the part can come.
                 let value = value.clamp(setting.min, setting.max);
-                choose(&mut options.settings, name, value)?;
+                choose(&mut options.shadow.settings, name, value)?;
             }
         }
         Ok(options)

@@ -160,7 +160,7 @@ impl Run<'_> {
                 }
                 Err(reason) => self.comparison.report.skipped.push(Skipped {
                     scene: self.name.to_owned(),
-                    method: config.method.clone(),
+                    method: config.shadow.method.clone(),
                     config: config.name.clone(),
                     reason,
                 }),
@@ -217,7 +217,7 @@ impl Run<'_> {
         let report = &shaded.report;
         let row = Row {
             scene: self.name.to_owned(),
-            method: config.method.clone(),
+            method: config.shadow.method.clone(),
             config: config.name.clone(),
             path: config.path,
             figures,

@@ -64,9 +64,9 @@ impl Lab {
 
     /// `config` without the choice of its own that lets it spare the filter; none where it has no such choice.
     fn always_filtering(&self, scene: &Scene, config: &Config) -> Option<Config> {
-        let mut without = config.axes.keys().map(|axis| {
+        let mut without = config.shadow.axes.keys().map(|axis| {
             let mut plain = config.clone();
-            plain.axes.remove(axis);
+            plain.shadow.axes.remove(axis);
             plain
         });
         // What is left need not go together.

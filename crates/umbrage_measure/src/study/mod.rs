@@ -1,9 +1,7 @@
 //! Measures methods: scenes against configurations, and hard cases against limits.
 
 mod compare;
-mod config;
 mod decisions;
-mod error;
 mod lab;
 mod motion;
 mod stress;
@@ -11,10 +9,10 @@ mod stress;
 mod tests;
 mod timing;
 
+pub use crate::{config::Config, error::StudyError};
+
 pub use self::{
     compare::{CompareOptions, Comparison, compare},
-    config::Config,
-    error::StudyError,
     lab::Lab,
     stress::{CaseResult, Stressed, stress},
 };

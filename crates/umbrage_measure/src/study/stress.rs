@@ -203,8 +203,7 @@ impl<'a> Try<'a> {
         if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
             return Ok(Err(reason));
         }
-        let shadow = variant.shadow();
-        let choice = shadow.choice(lab.registry(), lab.library())?;
+        let choice = variant.shadow.choice(lab.registry(), lab.library())?;
         let options = case.options(variant, &choice);
         Ok(options.map(|options| (lights, Self { variant, options })))
     }
@@ -246,7 +245,7 @@ impl<'a> Try<'a> {
         Ok(CaseResult {
             case: case.name,
             variant: name.clone(),
-            method: self.variant.method.clone(),
+            method: self.variant.shadow.method.clone(),
             verdict: verdict.ok_or_else(no_limits)?,
             figures,
             differs,

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 use umbrage_shadow::{Aabb, Constants, Value, View};
-use umbrage_wgpu::{ColorState, DrawState, ShadowResources, unfiltered};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
-    draw::{FrameState, LightInputs, PassInputs, record},
+    draw::{FrameState, LightInputs, PassInputs, record, unfiltered},
     passes::NamedPass,
     seen::{SEEN_PLANES, picture_size},
     target::{DEPTH, Target, begin},
@@ -81,7 +81,7 @@ impl Renderer {
         masks: &mut Option<Masks>,
         (reads, lit): (LightInputs<'_>, &[usize]),
     ) -> Result<Option<ShadowResources>, RenderError> {
-        if frame.options.path == Path::Forward || reads.shadow.is_none() {
+        if !frame.options.path.has_masks() || reads.shadow.is_none() {
             return Ok(None);
         }
         self.lay_planes(frame, shot, (target, fresh))?;
@@ -181,14 +181,15 @@ impl Renderer {
 impl<'a> Masked<'a> {
     /// What a pass over the picture draws with.
     pub(super) fn inputs(&self, pass: NamedPass<'a>, mut state: DrawState) -> PassInputs<'a> {
-        state.unfiltered = unfiltered(self.reads.shadow);
-        state.unfiltered.insert(SEEN_PLANES.to_owned());
+        let lights = vec![self.reads];
+        state.unfiltered = unfiltered(&lights);
+        state.unfiltered.insert((0, SEEN_PLANES.to_owned()));
         PassInputs {
             pass,
             cause: Some(&self.reads.setup.source.name),
             view_proj: self.shot.view_proj,
             ambient: Vec3::ZERO,
-            light: Some(self.reads),
+            lights,
             vertices: Vertices::Shared,
             state,
         }

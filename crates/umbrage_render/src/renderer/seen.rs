@@ -102,7 +102,7 @@ impl Renderer {
         let ranges = self.gpu.texture("the depths seen", size, 1, RANGE, usage)?;
         frame.depths = Some(ranges.create_view(&Default::default()));
         let unfiltered = DrawState {
-            unfiltered: [SEEN_PLANES.to_owned()].into(),
+            unfiltered: [(0, SEEN_PLANES.to_owned())].into(),
             ..DrawState::NOTHING
         };
         let inputs = inputs(shot, self.pass("depth_range")?, unfiltered);
@@ -163,7 +163,7 @@ fn inputs<'a>(shot: &Shot<'_>, pass: NamedPass<'a>, state: DrawState) -> PassInp
         cause: None,
         view_proj: shot.view_proj,
         ambient: Vec3::ZERO,
-        light: None,
+        lights: Vec::new(),
         vertices: Vertices::Shared,
         state,
     }

@@ -7,33 +7,52 @@ use umbrage_compose::{Library, RonFile};
 use umbrage_render::{Path, RenderOptions, Shadow};
 use umbrage_shadow::Registry;
 
-use super::StudyError;
-use crate::cases::Limits;
+use crate::StudyError;
 
 /// A method with what is chosen for it: an entry of a file of configurations, or a variant in a table of
-/// [`Limits`].
+/// [`Limits`](crate::cases::Limits).
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "Entry")]
 pub struct Config {
-    /// What reports call it; a method's configurations along one path have different names, and so have all
+    /// Its name in reports; a method's configurations along one path have different names, and so have all
     /// variants of a table.
     pub name: String,
-    /// The shadow method of all lights.
-    pub method: String,
-    /// Values of the method's axes; the rest have their defaults.
-    #[serde(default)]
-    pub axes: BTreeMap<String, String>,
-    /// Values of the method's settings; the rest have their defaults.
-    #[serde(default)]
-    pub settings: BTreeMap<String, f64>,
-    /// How the shadow term comes to the surface: `forward`, by way of a `mask`, or of one filled split by split,
-    /// `mask_by_split`.
-    #[serde(default)]
+    /// How all lights' shadows are found.
+    pub shadow: Shadow,
+    /// How the shadow term comes to the surface.
     pub path: Path,
 }
 
+/// A configuration as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Config")]
+struct Entry {
+    name: String,
+    method: String,
+    #[serde(default)]
+    axes: BTreeMap<String, String>,
+    #[serde(default)]
+    settings: BTreeMap<String, f64>,
+    #[serde(default)]
+    path: Path,
+}
+
+impl From<Entry> for Config {
+    fn from(entry: Entry) -> Self {
+        Self {
+            name: entry.name,
+            shadow: Shadow {
+                method: entry.method,
+                axes: entry.axes,
+                settings: entry.settings,
+            },
+            path: entry.path,
+        }
+    }
+}
+
 /// The configurations that show what the project's own methods can do.
-const STANDARD: &str = include_str!("../../configs.ron");
+const STANDARD: &str = include_str!("../configs.ron");
 
 impl Config {
     /// Reads a list of configurations, and checks each against what there is.
@@ -55,16 +74,15 @@ impl Config {
         let mut seen = BTreeSet::new();
         for config in &configs {
             let own = config.check(registry, library);
-            let checked =
-                own.and_then(
-                    |()| match seen.insert((&config.method, &config.name, config.path)) {
-                        true => Ok(()),
-                        false => Err(format!(
-                            "method `{}` has two configurations called `{}`",
-                            config.method, config.name
-                        )),
-                    },
-                );
+            let checked = own.and_then(|()| {
+                match seen.insert((&config.shadow.method, &config.name, config.path)) {
+                    true => Ok(()),
+                    false => Err(format!(
+                        "method `{}` has two configurations called `{}`",
+                        config.shadow.method, config.name
+                    )),
+                }
+            });
             if let Err(problem) = checked {
                 let fault = file.fault(problem, file.all(), &[&config.name]);
                 return Err(umbrage_compose::Error::from(fault).into());
@@ -88,38 +106,8 @@ impl Config {
         Self::of_each(methods, registry, &known, varied)
     }
 
-    /// What `methods` are held against the hard cases as: the variants that `limits` lists of each; a method of
-    /// which it lists none with its defaults, by its own name.
-    ///
-    /// # Errors
-    /// A method that is not registered; a variant with an axis, a value or a setting that its method does not
-    /// have, with the place in the table; a method without a variant that is called as another's is.
-    pub fn variants(
-        limits: &Limits,
-        methods: &[String],
-        registry: &Registry,
-        library: &Library,
-    ) -> Result<Vec<Self>, StudyError> {
-        let plain = |method: &str| Ok(vec![Self::plain(method, method)]);
-        let variants = Self::of_each(methods, registry, limits.variants(), plain)?;
-        for variant in &variants {
-            let listed = limits.variants().iter().find(|v| v.name == variant.name);
-            let checked = match listed.filter(|listed| listed.method != variant.method) {
-                Some(listed) => Err(format!(
-                    "a variant of `{}` is called as the method `{}`; rename it, or list a variant of that method",
-                    listed.method, variant.name
-                )),
-                None => variant.check(registry, library),
-            };
-            checked.map_err(|problem| {
-                umbrage_compose::Error::from(limits.fault(&variant.name, problem))
-            })?;
-        }
-        Ok(variants)
-    }
-
     /// Those of `known` that are of each of `methods`; what `otherwise` has of a method with none.
-    fn of_each(
+    pub(crate) fn of_each(
         methods: &[String],
         registry: &Registry,
         known: &[Self],
@@ -128,7 +116,7 @@ impl Config {
         let mut configs = Vec::new();
         for name in methods {
             registry.methods.get(name)?;
-            let own = known.iter().filter(|config| config.method == *name);
+            let own = known.iter().filter(|config| config.shadow.method == *name);
             let before = configs.len();
             configs.extend(own.cloned());
             if configs.len() == before {
@@ -139,11 +127,11 @@ impl Config {
     }
 
     /// The method's defaults, called `name`.
-    fn plain(method: &str, name: &str) -> Self {
+    pub(crate) fn plain(method: &str, name: &str) -> Self {
         Self {
             name: name.to_owned(),
-            method: method.to_owned(),
-            ..Self::default()
+            shadow: Shadow::new(method),
+            path: Path::default(),
         }
     }
 
@@ -154,7 +142,7 @@ impl Config {
         library: &Library,
     ) -> Result<Vec<Self>, StudyError> {
         let plain = Self::plain(method, "default");
-        let choice = plain.shadow().choice(registry, library)?;
+        let choice = plain.shadow.choice(registry, library)?;
         let mut configs = vec![plain];
         for name in choice.axes() {
             let Some(axis) = library.axes().get(name) else {
@@ -164,18 +152,17 @@ impl Config {
                 .values()
                 .filter(|v| Some(*v) != axis.default.as_deref())
             {
-                configs.push(Self {
-                    axes: BTreeMap::from([(name.to_owned(), value.to_owned())]),
-                    ..Self::plain(method, &format!("{name} {value}"))
-                });
+                let mut varied = Self::plain(method, &format!("{name} {value}"));
+                varied.shadow = varied.shadow.with(name, value);
+                configs.push(varied);
             }
         }
         Ok(configs)
     }
 
     /// The method's name and the configuration's, for a person.
-    pub(super) fn label(&self) -> String {
-        format!("{} ({})", self.method, self.name)
+    pub(crate) fn label(&self) -> String {
+        format!("{} ({})", self.shadow.method, self.name)
     }
 
     /// What a renderer is to be told.
@@ -183,9 +170,7 @@ impl Config {
         RenderOptions {
             width,
             height,
-            method: Some(self.method.clone()),
-            axes: self.axes.clone(),
-            settings: self.settings.clone(),
+            shadow: self.shadow.clone(),
             path: self.path,
             // What a method costs where all that casts moves.
             fresh: true,
@@ -193,17 +178,8 @@ impl Config {
         }
     }
 
-    /// How it has each light's shadow found.
-    pub fn shadow(&self) -> Shadow {
-        Shadow {
-            method: self.method.clone(),
-            axes: self.axes.clone(),
-            settings: self.settings.clone(),
-        }
-    }
-
-    fn check(&self, registry: &Registry, library: &Library) -> Result<(), String> {
-        let checked = self.shadow().check(registry, library);
+    pub(crate) fn check(&self, registry: &Registry, library: &Library) -> Result<(), String> {
+        let checked = self.shadow.check(registry, library);
         checked.map_err(|error| error.to_string()).map(drop)
     }
 }
