@@ -87,6 +87,7 @@ impl DiskCache {
                 let source = library.source(module);
                 part(source.path.as_bytes());
                 part(source.text.as_bytes());
+                part(format!("{:?}", library.groups(module)).as_bytes());
             }
         }
         hasher.finalize().to_hex().to_string()

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
+use naga::{
+    Constant, Expression, GlobalVariable, Handle, Override, ResourceBinding, Span, Type, TypeInner,
+};
 
 use crate::{Fault, link::Linker, reach::Program as _, unit::Unit};
 
@@ -172,7 +174,10 @@ impl Linker<'_> {
                 None => None,
             },
             space: self.targets.space(module, original.space),
-            binding: original.binding,
+            binding: original.binding.map(|binding| ResourceBinding {
+                group: self.targets.group(module, binding.group),
+                ..binding
+            }),
             memory_decorations: original.memory_decorations,
         };
         let span = self.shifted(module, unit, unit.module.global_variables.get_span(handle));

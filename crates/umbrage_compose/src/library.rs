@@ -51,6 +51,7 @@ struct Inner {
 struct PackageEntry {
     name: String,
     dependencies: BTreeMap<String, Dependency>,
+    groups: BTreeMap<u32, u32>,
 }
 
 /// What a key asks of the linker, with modules as numbers.
@@ -94,6 +95,7 @@ impl Library {
             entries.push(PackageEntry {
                 name: package.name.clone(),
                 dependencies: package.dependencies.clone(),
+                groups: package.groups.clone(),
             });
         }
         for package in &packages {
@@ -324,6 +326,16 @@ impl Library {
     /// The module of the path `package::folder::module`.
     pub(crate) fn module(&self, path: &str) -> Option<usize> {
         self.0.by_path.get(path).copied()
+    }
+
+    /// The number of a bind group that `module` has as `group`.
+    pub(crate) fn group(&self, module: usize, group: u32) -> u32 {
+        self.groups(module).get(&group).copied().unwrap_or(group)
+    }
+
+    /// Bind groups by the numbers that `module` has for them, where these are others.
+    pub(crate) fn groups(&self, module: usize) -> &BTreeMap<u32, u32> {
+        &self.0.packages[self.source(module).package].groups
     }
 
     /// The name of the package that modules of `package` call `name`.

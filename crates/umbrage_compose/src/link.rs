@@ -221,6 +221,11 @@ impl<'a> Targets<'a> {
         }
     }
 
+    /// The number of a bind group that a module has as `group`.
+    pub(crate) fn group(&self, number: usize, group: u32) -> u32 {
+        self.library.group(self.module(number), group)
+    }
+
     /// The source of the module with this number.
     pub(crate) fn source(&self, number: usize) -> &'a Source {
         self.library.source(self.module(number))
