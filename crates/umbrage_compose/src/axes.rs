@@ -265,8 +265,13 @@ impl Axes {
         }
     }
 
-    /// Takes in the axes of a package: new axes, and new values for known ones.
-    pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
+    /// Takes in the axes of a package, after those that `merged` have: new axes, and new values for known ones.
+    pub(crate) fn merge(
+        &mut self,
+        package: &str,
+        source: &SourceText,
+        merged: &[&SourceText],
+    ) -> Result<(), Error> {
         let file: AxesFile = ron_text::parse(source)?;
         for (name, what) in file.capabilities {
             if let Some(other) = self.capabilities.get(&name) {
@@ -279,7 +284,7 @@ impl Axes {
             self.capabilities.insert(name, what);
         }
         for (name, axis) in file.axes {
-            self.merge_axis(package, source, name, axis)?;
+            self.merge_axis(package, (source, merged), name, axis)?;
         }
         Ok(())
     }
@@ -287,7 +292,7 @@ impl Axes {
     fn merge_axis(
         &mut self,
         package: &str,
-        source: &SourceText,
+        (source, merged): (&SourceText, &[&SourceText]),
         name: String,
         file: AxisFile,
     ) -> Result<(), Error> {
@@ -345,8 +350,7 @@ impl Axes {
                 numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.as_str().into(), effect).is_some() {
-                let message = format!("axis `{name}` has the value `{value}` already");
-                return Err(fault(message, &[&name, &value]));
+                return Err(two_values(&name, &value, source, merged).into());
             }
         }
         if let Some(provides) = file.provides {
@@ -385,6 +389,24 @@ impl Axes {
         }
         Ok(())
     }
+}
+
+/// Fault for a value that two packages have.
+fn two_values(name: &str, value: &str, source: &SourceText, merged: &[&SourceText]) -> Fault {
+    let has = |earlier: &&&SourceText| {
+        let file = ron_text::parse::<AxesFile>(earlier);
+        file.is_ok_and(|file| {
+            let axis = file.axes.get(name);
+            axis.is_some_and(|axis| axis.values.contains_key(value))
+        })
+    };
+    let message = format!("two packages have a value `{value}` for the axis `{name}`");
+    let path = [name, "values", value];
+    let mut fault = Fault::new(Cause::Manifest, message).at(ron_text::literal(source, &path));
+    for earlier in merged.iter().filter(has) {
+        fault = fault.at(ron_text::literal(earlier, &path));
+    }
+    fault.note("rename one of them, and the part that goes by its name")
 }
 
 fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {

@@ -98,9 +98,11 @@ impl Library {
                 groups: package.groups.clone(),
             });
         }
+        let mut merged = Vec::new();
         for package in &packages {
             if let Some(source) = &package.axes {
-                axes.merge(&package.name, source)?;
+                axes.merge(&package.name, source, &merged)?;
+                merged.push(source);
             }
         }
         let by_path: HashMap<_, _> = sources
