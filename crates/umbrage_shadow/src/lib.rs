@@ -137,6 +137,7 @@
 //! compute or full-screen passes; perspective and light-space perspective maps are another `view_proj`
 //! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
 
+mod answers;
 mod atlas;
 mod bias;
 mod bounds;
@@ -155,6 +156,7 @@ mod settings;
 mod splits;
 mod view;
 
+pub use answers::Answers;
 pub use atlas::Atlas;
 pub use bias::Bias;
 pub use bounds::{Aabb, Frustum};
@@ -168,9 +170,9 @@ pub use maps::{Map, MapRange, Maps};
 pub use number::plain_number;
 pub use part::{DepthSource, Filter, Part, ShadowMethod, Support};
 pub use plan::{
-    Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, MAX_REGIONS,
-    Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape,
-    Viewport,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget,
+    MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan,
+    TextureDesc, TextureShape, Viewport,
 };
 pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

@@ -17,12 +17,18 @@ pub struct ShadowPlan {
     pub samplers: Vec<SamplerDesc>,
     /// What textures hold that no pass draws into: uploaded before the passes.
     pub contents: Vec<Contents>,
-    /// The storage buffers that `calc_shadow` reads, by the name of the binding that reads each.
+    /// The storage buffers that its passes and `calc_shadow` use, by the name of the binding of each.
     pub buffers: Vec<BufferDesc>,
     /// What to draw, in order.
     pub passes: Vec<Pass>,
     /// The members of the uniform blocks that `calc_shadow` reads.
     pub constants: Constants,
+    /// The plan's question: names of buffers that its passes write. Where there are any, nothing is shaded by this plan; the
+    /// parts are asked again, with what the buffers held in [`Frame::answers`](crate::Frame::answers).
+    ///
+    /// A later plan repeats the passes whose outcome it goes on from: what they filled stands, and they are not run again.
+    /// [`MAX_QUESTIONS`] may follow each other.
+    pub asks: Vec<String>,
     /// What it takes beyond WebGPU's baseline.
     pub needs: Vec<Need>,
     /// Texture fetches that `calc_shadow` makes at the most for a pixel: the method's own promise,
@@ -53,6 +59,10 @@ impl ShadowPlan {
         u32::try_from(number).ok()
     }
 }
+
+/// The most questions that a shadow's plans may end in before one ends in none. Each costs a way to the GPU and back: resolution
+/// matched maps, the most curious method known, refine their list of pages in three.
+pub const MAX_QUESTIONS: usize = 4;
 
 /// The most [regions](ShadowPlan::regions) of a plan: for each of the most splits two.
 pub const MAX_REGIONS: usize = 2 * MAX_SPLITS;
@@ -123,14 +133,24 @@ pub struct Contents {
     pub bytes: Vec<u8>,
 }
 
-/// A storage buffer that a method owns and its shader only reads.
+/// A storage buffer that a method owns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BufferDesc {
-    /// The binding that reads it.
+    /// Its binding.
     pub name: String,
-    /// What it holds: for `array<T>` a [`Value::Array`] of one element at the least, laid out with the
-    /// stride that the linked shader gives it.
-    pub value: Value,
+    /// What it holds.
+    pub contents: BufferContents,
+}
+
+/// Contents of a storage buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BufferContents {
+    /// What the method computed, for shaders that only read it: for `array<T>` a [`Value::Array`] of one element at the
+    /// least, laid out with the stride that the linked shader gives it.
+    Value(Value),
+    /// So many bytes, a multiple of 4, that compute passes write and others read: the plan's first pass that writes it finds
+    /// zeros. Its shaders must lay it out alike.
+    Written(u64),
 }
 
 /// One pass of a plan.
@@ -155,7 +175,16 @@ impl Pass {
         }
     }
 
-    /// The names of the textures that it writes.
+    /// What it reads; none of a pass of casters.
+    pub fn reads(&self) -> Option<&Reads> {
+        match self {
+            Self::Casters(_) => None,
+            Self::Screen(pass) => Some(&pass.reads),
+            Self::Compute(pass) => Some(&pass.reads),
+        }
+    }
+
+    /// The names of the textures and buffers that it writes.
     pub fn writes(&self) -> impl Iterator<Item = &str> {
         let (two, many): ([Option<&String>; 2], &[String]) = match self {
             Self::Casters(pass) => {
@@ -263,28 +292,35 @@ pub struct ScreenPass {
     pub reads: Reads,
 }
 
-/// A compute shader that reads some of the plan's textures and writes others.
+/// A compute shader that reads some of the plan's textures and buffers and writes others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComputePass {
     /// What is computed: a value of the shader library's axis `pass`.
     pub shader: String,
     /// Workgroups across, down and deep.
     pub workgroups: [u32; 3],
-    /// The names of the textures that it writes: of one rectangle, in a format that WebGPU's baseline can store to.
+    /// The names of the textures and buffers that it writes: textures of one rectangle, in a format that WebGPU's baseline
+    /// can store to, and [written](BufferContents::Written) buffers.
     pub writes: Vec<String>,
     /// What the shader reads.
     pub reads: Reads,
 }
 
 /// What the shader of a pass reads beside the plan's textures, samplers and buffers, which have the names of
-/// the bindings that read them.
+/// the bindings that read them, and the camera's depth, which is the texture [`Reads::CAMERA_DEPTH`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reads {
-    /// Bindings that go by another name than the texture that they read or write: binding, texture. So that one
+    /// Bindings that go by another name than the texture or buffer that they read or write: binding, texture. So that one
     /// shader may work from a first texture into a second, and then from there into a third.
     pub renamed: Vec<(String, String)>,
     /// The members of the pass's own uniform blocks.
     pub constants: Constants,
+}
+
+impl Reads {
+    /// The binding of the camera's depth, a `texture_depth_2d` as large as [`Frame::camera_depth`](crate::Frame::camera_depth)
+    /// says: reversed, 0 where nothing is seen; [`Projection::view_depth`](crate::Projection::view_depth) makes it linear.
+    pub const CAMERA_DEPTH: &str = "camera_depth";
 }
 
 /// What a plan asks of the device beyond WebGPU's baseline.

@@ -107,9 +107,10 @@ impl ShadowResources {
         let name = binding.name.as_str();
         Ok(match &binding.kind {
             BindingKind::Uniform(_) => Some(Resource::uniform(gpu, key, binding, &self.constants)?),
-            BindingKind::Storage { .. } => match self.buffers.get(name) {
-                Some(value) => Some(Resource::storage(gpu, key, binding, value)?),
-                None => None,
+            BindingKind::Storage { .. } => match (self.written.get(name), self.buffers.get(name)) {
+                (Some(buffer), _) => Some(Resource::Buffer(buffer.clone())),
+                (None, Some(value)) => Some(Resource::storage(gpu, key, binding, value)?),
+                (None, None) => None,
             },
             BindingKind::Sampler { .. } => {
                 let found = self.samplers.get(name);

@@ -38,13 +38,29 @@ pub enum Error {
     },
     /// A plan asks for what cannot be done: a part is at fault.
     #[error(
-        "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"
+        "light `{light}`: method `{method}` plans what cannot be done: {problem}; this is a fault of the method: mend it, \
+         or choose another"
     )]
     BadPlan {
+        /// The light.
+        light: String,
         /// The method.
         method: String,
         /// The fault.
         problem: String,
+    },
+    /// A pass reads the camera's depth, and the job gives none.
+    #[error(
+        "light `{light}`, method `{method}`: the pass `{pass}` reads the camera's depth, which is not given; give it \
+         (`Job::camera_depth`), or have the frame say that there is none (`Frame::camera_depth`)"
+    )]
+    NoDepth {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// The pass.
+        pass: String,
     },
     /// A permutation reads what nobody gives it.
     #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]

@@ -7,15 +7,16 @@ use std::{
 
 use umbrage_compose::{BindingKind, Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Viewport,
+    BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Pass,
+    Reads, ScreenPass, ShadowPlan, Viewport,
 };
 
 use crate::{
     CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity,
-    Pipeline, Program, ShadowResources, Times,
-    record::{self, Memory, Record},
+    Pipeline, Program, Question, ShadowResources, Times,
+    record::{self, Memory, Record, Shader},
     resources::{self, unfiltered},
-    targets::{attachment, check_regions, depth_attachment, is_depth, is_floats},
+    targets::{attachment, bad_plan, check_regions, depth_attachment, is_depth, is_floats},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -40,6 +41,18 @@ pub struct Job<'a> {
     pub choices: &'a [(&'a str, &'a str)],
     /// Members of the uniform block `light`, where passes read one.
     pub constants: &'a Constants,
+    /// The camera's depth, where there is one. The frame tells how large it is.
+    pub camera_depth: Option<CameraDepth<'a>>,
+}
+
+/// The camera's depth, for passes that plan by what is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraDepth<'a> {
+    /// A view of depth alone, of one sample, to bind: reversed, 0 where nothing is seen. When the passes are run, it is
+    /// filled.
+    pub view: &'a wgpu::TextureView,
+    /// Its state: another whenever it may hold something else.
+    pub revision: u64,
 }
 
 /// A plan, executed.
@@ -50,6 +63,8 @@ pub struct Executed {
     pub plan: ShadowPlan,
     /// In the order of the plan's passes.
     pub runs: Vec<Run>,
+    /// The question that the plan ends in: then the light has no shadow yet, and is to be asked for again with the answer.
+    pub question: Option<Question>,
 }
 
 /// Outcome of a pass.
@@ -140,25 +155,28 @@ impl Executor {
     /// The light's shadow: its parts plan, and what does not stand yet of their plan is recorded into `encoder`.
     ///
     /// # Errors
-    /// Refusals of the parts, a plan that cannot be executed, faults of shaders, and errors of `host`. The light is
-    /// forgotten then; what was recorded for it does no harm.
+    /// Refusals of the parts, a plan that cannot be executed, faults of shaders, and errors of `host`. What was recorded for
+    /// the light does no harm then, and is drawn anew the next time.
     pub fn shadow(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
-        // Put back once all is recorded.
-        let memory = self.lights.remove(&job.light).unwrap_or_default();
         let plan = job.shadow.method().plan(job.frame);
         let plan = plan.map_err(|source| Error::Plan {
             light: job.name.to_owned(),
             source,
         })?;
-        check_regions(job.shadow, &plan.regions)?;
+        check_regions(job, &plan.regions)?;
+        check_question(job, &plan)?;
+        resources::check_names(job, &plan)?;
         self.check_needs(job, &plan)?;
+        let shaders = self.shaders(job, &plan, host)?;
+        // Put back once all is recorded.
+        let memory = self.lights.remove(&job.light).unwrap_or_default();
         let mut execution = Execution::new(&mut self.shared, job, memory, &plan)?;
-        let runs = execution.run(encoder, &plan, host)?;
+        let runs = execution.run(encoder, &plan, shaders, host)?;
         let Execution {
             memory,
             mut resources,
@@ -166,12 +184,45 @@ impl Executor {
         } = execution;
         resources.constants = plan.constants.clone();
         resources.regions = plan.regions.clone();
+        let (device, answers) = (&self.shared.device, job.frame.answers);
+        let question = Question::record(device, encoder, &plan, &memory.buffers, answers);
         self.lights.insert(job.light, memory);
         Ok(Executed {
             resources,
             plan,
             runs,
+            question,
         })
+    }
+
+    /// The shaders of the plan's passes that draw no caster.
+    fn shaders(
+        &self,
+        job: &Job<'_>,
+        plan: &ShadowPlan,
+        host: &mut dyn Host,
+    ) -> Result<Vec<Option<Composed>>, Error> {
+        let own: Vec<_> = job.shadow.choices(job.frame.light).collect();
+        let all = job.choices.iter().chain(&own).copied();
+        let shader = |pass: &Pass| {
+            if matches!(pass, Pass::Casters(_)) {
+                return Ok(None);
+            }
+            let choices = all.clone().chain([("pass", pass.shader())]);
+            let composed = self.shared.compose(choices)?;
+            host.composed(pass.shader(), &composed);
+            let bindings = &composed.permutation.reflection.bindings;
+            let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
+            if job.camera_depth.is_none() && reads(Reads::CAMERA_DEPTH) {
+                return Err(Error::NoDepth {
+                    light: job.name.to_owned(),
+                    method: job.shadow.method().name().to_owned(),
+                    pass: pass.shader().to_owned(),
+                });
+            }
+            Ok(Some(composed))
+        };
+        plan.passes.iter().map(shader).collect()
     }
 
     /// Lets go of all that was made for the lights that `is_kept` does not hold for.
@@ -256,11 +307,9 @@ pub(crate) struct Execution<'a> {
     pub(crate) job: &'a Job<'a>,
     pub(crate) memory: Memory,
     resources: ShadowResources,
-    /// Textures that hold nothing yet, or were uploaded anew.
+    /// Textures and buffers that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
-    /// Values of axes for passes without casters.
-    choices: Vec<(&'a str, &'a str)>,
-    /// Colour textures that a pass has filled in part, or whole: only the first one into a texture clears it.
+    /// Buffers, and colour textures, that a pass has filled in part, or whole: only the first one into each clears it.
     filled: BTreeSet<String>,
 }
 
@@ -277,14 +326,17 @@ impl<'a> Execution<'a> {
         mut memory: Memory,
         plan: &ShadowPlan,
     ) -> Result<Self, Error> {
-        memory.let_go(plan);
-        let (textures, mut new) = resources::textures(
-            &shared.device,
-            &memory.textures,
-            job.shadow,
-            (job.name, plan),
-        )?;
-        memory.textures = textures;
+        // What is shaded by a later plan may stand.
+        if plan.asks.is_empty() {
+            memory.let_go(plan);
+        }
+        let device = &shared.device;
+        let (textures, mut new) = resources::textures(device, &memory.textures, job, plan)?;
+        let (buffers, new_buffers) = resources::buffers(device, &memory.buffers, job, plan)?;
+        memory.textures.extend(textures);
+        memory.buffers.extend(buffers);
+        new.extend(new_buffers);
+        memory.drawn.retain(|(name, _), _| !new.contains(name));
         memory.contents.retain(|name, _| !new.contains(name));
         for contents in &plan.contents {
             if memory.contents.get(&contents.texture) == Some(&contents.bytes) {
@@ -297,16 +349,14 @@ impl<'a> Execution<'a> {
             new.insert(name.clone());
             memory.contents.insert(name, bytes);
         }
-        let resources = resources::resources(&shared.device, plan, &memory.textures);
-        let own = job.shadow.choices(job.frame.light);
-        let choices = job.choices.iter().copied().chain(own).collect();
+        let kept = (&memory.textures, &memory.buffers);
+        let resources = resources::resources(device, plan, kept);
         Ok(Self {
             shared,
             job,
             memory,
             resources,
             new,
-            choices,
             filled: BTreeSet::new(),
         })
     }
@@ -315,16 +365,16 @@ impl<'a> Execution<'a> {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         plan: &ShadowPlan,
+        shaders: Vec<Option<Composed>>,
         host: &mut dyn Host,
     ) -> Result<Vec<Run>, Error> {
-        let passes = plan.passes.iter();
-        let ready = passes.map(|pass| self.ready(pass, plan, host));
+        let passes = plan.passes.iter().zip(shaders);
+        let ready = passes.map(|(pass, shader)| self.ready(pass, shader, plan));
         let ready = ready.collect::<Result<Vec<Ready>, Error>>()?;
         let reads: Vec<_> = ready.iter().map(reads).collect();
         let records: Vec<_> = ready.iter().map(|(record, _)| record.clone()).collect();
         let wanted = record::by_layer(&records);
-        let drawn = std::mem::take(&mut self.memory.drawn);
-        let stale = record::stale(plan, (&wanted, &drawn), &reads, &self.new);
+        let stale = record::stale(plan, (&wanted, &self.memory.drawn), &reads, &self.new);
         let mut runs = Vec::with_capacity(stale.len());
         for ((pass, (_, composed)), stale) in plan.passes.iter().zip(&ready).zip(stale) {
             runs.push(if stale { Run::Recorded } else { Run::Kept });
@@ -344,13 +394,17 @@ impl<'a> Execution<'a> {
                 _ => return Err(self.bad("a pass of a kind that is not known here")),
             }
         }
-        self.memory.drawn = wanted;
+        self.memory.drawn.extend(wanted);
         Ok(runs)
     }
 
-    /// All that `pass` depends on, and its shader where it draws no caster. Faults are told before anything is recorded, as far
-    /// as they can be.
-    fn ready(&self, pass: &Pass, plan: &ShadowPlan, host: &mut dyn Host) -> Result<Ready, Error> {
+    /// All that `pass` depends on, with its shader. Faults are told before anything is recorded, as far as they can be.
+    fn ready(
+        &self,
+        pass: &Pass,
+        composed: Option<Composed>,
+        plan: &ShadowPlan,
+    ) -> Result<Ready, Error> {
         let mut record = Record {
             pass: pass.clone(),
             origin: self.job.frame.view.position,
@@ -375,23 +429,35 @@ impl<'a> Execution<'a> {
             record.choices = choices
                 .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
                 .collect();
-            return Ok((record, None));
         }
-        let choices = [("pass", pass.shader())];
-        let choices = self.choices.iter().copied().chain(choices);
-        let composed = self.shared.compose(choices)?;
-        host.composed(pass.shader(), &composed);
-        if let Pass::Compute(pass) = pass {
+        if let Some(composed) = &composed {
             // One that writes nothing is never run.
-            self.check_compute(pass, &composed.permutation)?;
+            self.check_stores(pass, &composed.permutation)?;
+            record.shader = Some(self.shader(pass, &composed.permutation, plan));
         }
-        record.shader = Some((
-            composed.permutation.key.clone(),
-            self.job.constants.clone(),
-            plan.samplers.clone(),
-            plan.buffers.clone(),
-        ));
-        Ok((record, Some(composed)))
+        Ok((record, composed))
+    }
+
+    /// What the shader of `pass` depends on, textures and buffers that passes fill apart.
+    fn shader(&self, pass: &Pass, permutation: &Permutation, plan: &ShadowPlan) -> Shader {
+        let bindings = &permutation.reflection.bindings;
+        let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
+        let renamed = pass.reads().map_or(&[][..], |reads| &reads.renamed);
+        let stored = |desc: &&BufferDesc| {
+            let mut names = bindings.iter().map(|binding| named(renamed, &binding.name));
+            names.any(|name| name == desc.name)
+        };
+        let depth = self.job.camera_depth.filter(|_| reads(Reads::CAMERA_DEPTH));
+        Shader {
+            key: permutation.key.clone(),
+            light: self.job.constants.clone(),
+            samplers: (plan.samplers.iter())
+                .filter(|desc| reads(&desc.name))
+                .cloned()
+                .collect(),
+            buffers: plan.buffers.iter().filter(stored).cloned().collect(),
+            camera_depth: depth.map(|depth| depth.revision),
+        }
     }
 
     fn draw_casters(
@@ -477,7 +543,7 @@ impl<'a> Execution<'a> {
             );
             return Err(self.bad(&problem));
         }
-        let given = self.resources.given_to(&pass.reads);
+        let given = self.given_to(&pass.reads);
         let state = DrawState {
             color: (!deep).then_some(ColorState {
                 format: desc.format,
@@ -518,7 +584,14 @@ impl<'a> Execution<'a> {
         pass: &ComputePass,
         composed: &Composed,
     ) -> Result<(), Error> {
-        let given = self.resources.given_to(&pass.reads);
+        for name in &pass.writes {
+            if let Some(buffer) = self.memory.buffers.get(name)
+                && self.filled.insert(name.clone())
+            {
+                encoder.clear_buffer(buffer, 0, None);
+            }
+        }
+        let given = self.given_to(&pass.reads);
         let unfiltered = unfiltered(Some(&given));
         let computation = self.shared.computation(&composed.permutation, unfiltered)?;
         let groups = self.groups(&computation.program, &given)?;
@@ -537,25 +610,59 @@ impl<'a> Execution<'a> {
         Ok(())
     }
 
+    /// Resources of a pass.
+    fn given_to(&self, reads: &Reads) -> ShadowResources {
+        let mut given = self.resources.given_to(reads);
+        if let Some(depth) = self.job.camera_depth {
+            let format = depth.view.texture().format();
+            let name = Reads::CAMERA_DEPTH.to_owned();
+            given.textures.insert(name, (format, depth.view.clone()));
+        }
+        given
+    }
+
     /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
         given.groups(self.shared.gpu(), program, &[("light", self.job.constants)])
     }
 }
 
-/// The textures that a pass without casters reads.
+/// The textures and buffers that a pass without casters reads.
 fn reads((record, composed): &Ready) -> BTreeSet<String> {
-    let reads = match &record.pass {
-        Pass::Screen(pass) => &pass.reads,
-        Pass::Compute(pass) => &pass.reads,
-        _ => return BTreeSet::new(),
-    };
+    let renamed = record.pass.reads().map_or(&[][..], |reads| &reads.renamed);
     let reflection = composed.iter().map(|c| &c.permutation.reflection);
     let bindings = reflection.flat_map(|reflection| &reflection.bindings);
-    let textures = bindings.filter(|b| matches!(b.kind, BindingKind::Texture { .. }));
-    textures
-        .map(|binding| named(&reads.renamed, &binding.name).to_owned())
+    let read = bindings.filter(|binding| match binding.kind {
+        BindingKind::Texture { .. } => binding.name != Reads::CAMERA_DEPTH,
+        BindingKind::Storage { read_only, .. } => read_only,
+        _ => false,
+    });
+    read.map(|binding| named(renamed, &binding.name).to_owned())
         .collect()
+}
+
+/// Whether what a plan asks about are buffers that its passes write, and whether it asks too often.
+fn check_question(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+    let Some(first) = plan.asks.first() else {
+        return Ok(());
+    };
+    let written = |name: &String| {
+        let mut passes = plan.passes.iter().flat_map(Pass::writes);
+        let holds = |desc: &BufferDesc| {
+            desc.name == *name && matches!(desc.contents, BufferContents::Written(_))
+        };
+        plan.buffers.iter().any(holds) && passes.any(|written| written == name)
+    };
+    let problem = if let Some(name) = plan.asks.iter().find(|name| !written(name)) {
+        format!("a question about `{name}`, which is no buffer that its passes write")
+    } else if job.frame.answers.questions() >= MAX_QUESTIONS {
+        format!(
+            "one more question, about `{first}`, where {MAX_QUESTIONS} were answered: so many may follow each other"
+        )
+    } else {
+        return Ok(());
+    };
+    Err(bad_plan(job, &problem))
 }
 
 /// The texture that a pass has for a binding.

@@ -22,6 +22,20 @@
 //!
 //! A full-screen pass draws three vertices of one triangle, by their numbers. A compute pass stores to what it `writes`.
 //!
+//! A pass without casters may also read the camera's depth, where the [job](Job::camera_depth) gives it.
+//!
+//! # Questions
+//! A plan may end in a question: what buffers hold that its passes write. The light has no shadow then, but
+//! [`Executed::question`]. The engine submits, maps [`Question::buffer`] for reading, hands the bytes to
+//! [`Question::answer`], and asks for the same light's shadow again, with the answers in
+//! [`Frame::answers`](umbrage_shadow::Frame::answers). When, is its choice:
+//!
+//! - *In the same frame*: it submits, waits, and asks again into another encoder. Several lights' questions go in one
+//!   submission.
+//! - *A frame later*: it asks twice in each frame, first without answers, which records the question of this frame, and then
+//!   with the answers of the frame before, which gives a shadow. Nothing waits, and shadows are planned by what was seen a frame
+//!   ago. Passes that both plans have are run once.
+//!
 //! # An engine
 //! `examples/own_renderer` is one, with two lights, in 150 lines.
 //!
@@ -35,6 +49,7 @@ mod execute;
 mod host;
 mod pack;
 mod program;
+mod question;
 mod record;
 mod resources;
 mod shadow;
@@ -42,12 +57,13 @@ mod targets;
 
 pub use bind::{Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
-pub use execute::{Executed, Executor, Job, Run};
+pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
     ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED,
     reads_facing, vertices_read,
 };
+pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};

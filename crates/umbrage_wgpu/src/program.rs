@@ -283,7 +283,7 @@ fn group_layouts(
         let mut entries = Vec::new();
         for binding in bindings {
             let unfiltered = unfiltered.contains(&binding.name);
-            let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
+            let ty = binding_type(binding, unfiltered).ok_or_else(|| {
                 let problem = "no pass has such a resource to give";
                 Error::binding(&permutation.key, binding, problem)
             })?;
@@ -314,18 +314,23 @@ fn visibility(stages: &[Stage]) -> wgpu::ShaderStages {
     })
 }
 
-/// The layout's word for a binding; none for what render passes do not bind.
-fn binding_type(kind: &BindingKind, unfiltered: bool) -> Option<wgpu::BindingType> {
+/// The layout's word for a binding; none for what passes do not bind.
+fn binding_type(binding: &Binding, unfiltered: bool) -> Option<wgpu::BindingType> {
     let buffer = |ty| wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    Some(match kind {
+    Some(match &binding.kind {
         BindingKind::Uniform(_) => buffer(wgpu::BufferBindingType::Uniform),
         BindingKind::Storage {
             read_only: true, ..
         } => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        BindingKind::Storage {
+            read_only: false, ..
+        } if binding.stages == [Stage::Compute] => {
+            buffer(wgpu::BufferBindingType::Storage { read_only: false })
+        }
         BindingKind::Texture {
             dimension,
             sample,

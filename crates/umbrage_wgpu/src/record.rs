@@ -6,12 +6,15 @@ use glam::DVec3;
 use umbrage_compose::ProjectedKey;
 use umbrage_shadow::{BufferDesc, Constants, Pass, SamplerDesc, ShadowPlan};
 
-use crate::{Identity, resources::Textures};
+use crate::{
+    Identity,
+    resources::{Buffers, Textures},
+};
 
-/// A layer of a texture.
+/// A layer of a texture, or layer 0 for a buffer.
 pub(crate) type Layer = (String, u32);
 
-/// All that a pass's outcome depends on, but for the textures that it reads.
+/// All that a pass's outcome depends on, but for the textures and buffers that it reads.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Record {
     pub(crate) pass: Pass,
@@ -20,8 +23,19 @@ pub(crate) struct Record {
     /// The casters drawn, and the values that their shaders are chosen by.
     pub(crate) casters: Vec<Identity>,
     pub(crate) choices: Vec<(String, String)>,
-    /// Of a pass without casters: its shader, and what it reads beside textures.
-    pub(crate) shader: Option<(ProjectedKey, Constants, Vec<SamplerDesc>, Vec<BufferDesc>)>,
+    /// Of a pass without casters.
+    pub(crate) shader: Option<Shader>,
+}
+
+/// A shader that draws no caster, and what it reads beside what passes fill.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shader {
+    pub(crate) key: ProjectedKey,
+    pub(crate) light: Constants,
+    pub(crate) samplers: Vec<SamplerDesc>,
+    pub(crate) buffers: Vec<BufferDesc>,
+    /// The revision of the camera's depth.
+    pub(crate) camera_depth: Option<u64>,
 }
 
 /// The passes into each layer, in order.
@@ -31,22 +45,31 @@ pub(crate) type Layers = BTreeMap<Layer, Vec<Record>>;
 #[derive(Default)]
 pub(crate) struct Memory {
     pub(crate) textures: Textures,
+    /// Buffers that passes write.
+    pub(crate) buffers: Buffers,
     /// The bytes that were uploaded.
     pub(crate) contents: BTreeMap<String, Vec<u8>>,
     pub(crate) drawn: Layers,
 }
 
 impl Memory {
-    /// Lets go of what `plan` does not have, and of textures that were drawn into and that it has no pass for: they hold what
-    /// it does not expect.
+    /// Lets go of what `plan` does not have, and of textures and buffers that were written and that it has no pass for: they
+    /// hold what it does not expect.
     pub(crate) fn let_go(&mut self, plan: &ShadowPlan) {
         let written: BTreeSet<_> = plan.passes.iter().flat_map(layers).collect();
         let is_written = |name: &str| written.iter().any(|layer| layer.0 == name);
         let drawn = self.drawn.keys().map(|layer| &layer.0);
-        let has = |name: &str| plan.textures.iter().any(|desc| desc.name == name);
+        let has = |name: &str| {
+            let textures = plan.textures.iter().map(|desc| &desc.name);
+            let buffers = plan.buffers.iter().map(|desc| &desc.name);
+            textures.chain(buffers).any(|own| own == name)
+        };
         let gone = drawn.filter(|name| !is_written(name) || !has(name));
         let gone: BTreeSet<_> = gone.cloned().collect();
-        self.textures.retain(|name, _| !gone.contains(name));
+        self.textures
+            .retain(|name, _| has(name) && !gone.contains(name));
+        self.buffers
+            .retain(|name, _| has(name) && !gone.contains(name));
         self.drawn.retain(|layer, _| !gone.contains(&layer.0));
     }
 }
@@ -75,7 +98,7 @@ pub(crate) fn by_layer(records: &[Record]) -> Layers {
     all
 }
 
-/// Which passes of `plan` have to be run, in its order. `reads` has the textures that each reads, `new` those that hold
+/// Which passes of `plan` have to be run, in its order. `reads` has the textures and buffers that each reads, `new` those that hold
 /// nothing yet or were uploaded anew.
 pub(crate) fn stale(
     plan: &ShadowPlan,

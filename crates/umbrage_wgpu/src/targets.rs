@@ -2,18 +2,18 @@
 
 use umbrage_compose::{BindingKind, Permutation};
 use umbrage_shadow::{
-    Blend, ColorTarget, ComputePass, DepthTarget, MAX_REGIONS, Region, TextureDesc, TextureShape,
-    Viewport,
+    Blend, ColorTarget, ComputePass, DepthTarget, MAX_REGIONS, Pass, Region, TextureDesc,
+    TextureShape, Viewport,
 };
 
 use crate::{
-    CheckedShadow, ColorState, Error, MAX,
+    ColorState, Error, Job, MAX,
     execute::{Execution, named},
 };
 
 impl Execution<'_> {
     pub(crate) fn bad(&self, problem: &str) -> Error {
-        bad_plan(self.job.shadow, problem)
+        bad_plan(self.job, problem)
     }
 
     /// A texture of the plan.
@@ -112,12 +112,31 @@ impl Execution<'_> {
         Ok((state, texture.create_view(&Default::default())))
     }
 
-    /// Whether a compute pass can be run, and writes what it says.
-    pub(crate) fn check_compute(
-        &self,
-        pass: &ComputePass,
-        permutation: &Permutation,
-    ) -> Result<(), Error> {
+    /// Whether a pass that draws no caster can be run, and writes what it says.
+    pub(crate) fn check_stores(&self, pass: &Pass, permutation: &Permutation) -> Result<(), Error> {
+        let (writes, renamed) = match pass {
+            Pass::Compute(pass) => {
+                self.check_compute(pass)?;
+                (&pass.writes[..], &pass.reads.renamed[..])
+            }
+            _ => (&[][..], &[][..]),
+        };
+        let bindings = permutation.reflection.bindings.iter();
+        let stored = bindings.filter(|binding| is_stored(&binding.kind));
+        for name in stored.map(|binding| &binding.name) {
+            let target = named(renamed, name);
+            if writes.iter().all(|written| written != target) {
+                let problem = format!(
+                    "`{}` stores to `{target}`, which is not among what it `writes`",
+                    pass.shader()
+                );
+                return Err(self.bad(&problem));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_compute(&self, pass: &ComputePass) -> Result<(), Error> {
         let limits = self.shared.device.limits();
         let limit = limits.max_compute_workgroups_per_dimension;
         if pass.workgroups.iter().any(|n| !(1..=limit).contains(n)) {
@@ -128,31 +147,24 @@ impl Execution<'_> {
             return Err(self.bad(&problem));
         }
         for name in &pass.writes {
-            self.target(name)?;
-        }
-        self.check_stores(pass, permutation)
-    }
-
-    /// Whether all that a compute shader stores to is among what its pass says that it writes.
-    pub(crate) fn check_stores(
-        &self,
-        pass: &ComputePass,
-        permutation: &Permutation,
-    ) -> Result<(), Error> {
-        let bindings = permutation.reflection.bindings.iter();
-        let stored = bindings.filter(|b| matches!(b.kind, BindingKind::StorageTexture { .. }));
-        for name in stored.map(|binding| &binding.name) {
-            let texture = named(&pass.reads.renamed, name);
-            if pass.writes.iter().all(|written| written != texture) {
-                let problem = format!(
-                    "`{}` stores to `{texture}`, which is not among what it `writes`",
-                    pass.shader
-                );
-                return Err(self.bad(&problem));
+            if !self.memory.buffers.contains_key(name) {
+                self.target(name)?;
             }
         }
         Ok(())
     }
+}
+
+/// Whether a shader writes what is bound there.
+pub(crate) fn is_stored(kind: &BindingKind) -> bool {
+    matches!(
+        kind,
+        BindingKind::StorageTexture { .. }
+            | BindingKind::Storage {
+                read_only: false,
+                ..
+            }
+    )
 }
 
 /// Whether a format is of depth alone.
@@ -207,33 +219,34 @@ pub(crate) fn depth_attachment(
     }
 }
 
-pub(crate) fn bad_plan(shadow: &CheckedShadow<'_>, problem: &str) -> Error {
+pub(crate) fn bad_plan(job: &Job<'_>, problem: &str) -> Error {
     Error::BadPlan {
-        method: shadow.method().name().to_owned(),
+        light: job.name.to_owned(),
+        method: job.shadow.method().name().to_owned(),
         problem: problem.to_owned(),
     }
 }
 
 /// Whether regions of view depth follow each other, with axes of the chosen parts.
-pub(crate) fn check_regions(shadow: &CheckedShadow<'_>, regions: &[Region]) -> Result<(), Error> {
+pub(crate) fn check_regions(job: &Job<'_>, regions: &[Region]) -> Result<(), Error> {
     if regions.len() > MAX_REGIONS {
         let problem = format!(
             "{} regions of view depth: {MAX_REGIONS} at the most",
             regions.len()
         );
-        return Err(bad_plan(shadow, &problem));
+        return Err(bad_plan(job, &problem));
     }
     let mut start = 0.0;
     for Region { end, axes } in regions {
         // NaN is not beyond.
         if !(*end > start && end.is_finite()) {
             let problem = format!("a region of view depth from {start} m to {end} m");
-            return Err(bad_plan(shadow, &problem));
+            return Err(bad_plan(job, &problem));
         }
-        let known = shadow.choice.axes();
+        let known = job.shadow.choice.axes();
         if let Some(axis) = axes.keys().find(|axis| !known.contains(&axis.as_str())) {
             let problem = format!("a region with the axis `{axis}`, which is none of its axes");
-            return Err(bad_plan(shadow, &problem));
+            return Err(bad_plan(job, &problem));
         }
         start = *end;
     }

@@ -115,10 +115,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             light: number as u64,
             name: light.kind.name(),
             shadow: &shadow,
-            frame: &shadow.frame((&view, None), &light, &bounds, &bounds),
+            frame: &shadow.frame(&view, &light, &bounds, &bounds),
             casters: &Identity::unchanging(bounds.len()),
             choices: &[],
             constants: &constants,
+            camera_depth: None,
         };
         // What of the light's maps does not stand yet is drawn.
         let done = executor.shadow(&mut encoder, &job, &mut blocks)?;

@@ -12,7 +12,7 @@ use super::{
     air::SEEN_DEPTH,
     assets::{self, Assets},
     draw::{FrameState, PassInputs},
-    seen::{SEEN_DEPTHS, SEEN_PLANES},
+    seen::SEEN_PLANES,
 };
 use crate::{
     Gpu, RenderError,
@@ -118,12 +118,6 @@ impl Renderer {
                 let depth = depth.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(depth))
             }
-            (SEEN_DEPTHS, BindingKind::StorageTexture { .. }) => {
-                let nothing = "what passes that look for no depths give";
-                let depths = frame.depths.clone();
-                let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
-                Ok(Resource::Texture(depths))
-            }
             ("instances", _) => frame.instances(&self.gpu, key, binding),
             _ => Err(unknown(
                 key,
@@ -160,13 +154,14 @@ impl Renderer {
                     BindingKind::Uniform(_) => {
                         return self.uniform(key, binding, &shadow.constants);
                     }
-                    BindingKind::Storage { .. } => match shadow.buffers.get(name) {
-                        Some(value) => {
+                    BindingKind::Storage { .. } => {
+                        if let Some(value) = shadow.buffers.get(name) {
                             let light = light.setup.index;
                             return self.storage(frame, light, key, binding, value);
                         }
-                        None => None,
-                    },
+                        let written = shadow.written.get(name);
+                        written.map(|buffer| Resource::Buffer(buffer.clone()))
+                    }
                     BindingKind::Sampler { .. } => shadow
                         .samplers
                         .get(name)

@@ -273,16 +273,7 @@ impl Renderer {
     ) -> Result<Lamp<'a>, RenderError> {
         let method = light.method.as_ref();
         let shadow = match method.filter(|_| !lit.is_empty() || air.is_some()) {
-            Some(setup) => {
-                // Air is seen from the near plane on, wherever surfaces are.
-                let wanted = air.is_none() && setup.method().wants_seen_depths(&setup.axes);
-                let seen = match wanted {
-                    true => Some(self.seen_depths(frame, shot, to)?),
-                    false => None,
-                };
-                let by = (&shot.view, seen);
-                Some(self.cast(frame, by, light, setup, (lit, air.as_ref()))?)
-            }
+            Some(setup) => Some(self.cast(frame, shot, to, (light, setup), (lit, air.as_ref()))?),
             None => None,
         };
         Ok(Lamp {

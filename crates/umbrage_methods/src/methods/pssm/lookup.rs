@@ -2,8 +2,9 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
-    Atlas, Blend, BufferDesc, ColorTarget, Constants, Contents, Frame, MAX_SPLITS, Map, Maps, Pass,
-    PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
+    Atlas, Blend, BufferContents, BufferDesc, ColorTarget, Constants, Contents, Frame, MAX_SPLITS,
+    Map, Maps, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value,
+    Viewport,
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
@@ -108,8 +109,10 @@ pub(super) fn plan(job: &Job<'_>, splits: &Splits) -> Result<ShadowPlan, PlanErr
         Lookup::MatrixTexture => matrix_texture(&mut plan, splits),
         Lookup::Storage => {
             let value = Value::Array(split_maps(splits, splits.splits.len().max(1)));
-            let name = "splits".to_owned();
-            plan.buffers.push(BufferDesc { name, value });
+            plan.buffers.push(BufferDesc {
+                name: "splits".to_owned(),
+                contents: BufferContents::Value(value),
+            });
         }
         _ => {}
     }
