@@ -375,7 +375,7 @@ impl<'a> Oracle<'a> {
                 (number == layer as usize).then_some(pass)
             }
             (Pass::Casters(pass), _) => {
-                let own = pass.depth.as_ref().map_or(0, |depth| depth.layer);
+                let own = pass.depth.as_ref().map_or(0, |depth| depth.target.layer);
                 (own == layer).then_some(pass)
             }
             _ => None,

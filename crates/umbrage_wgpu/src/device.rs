@@ -61,7 +61,7 @@ pub fn zeros(
 /// A texture; `what` names it in an error.
 ///
 /// # Errors
-/// No texels, or more along a side than the device allows.
+/// No texels, layers or levels, or more than the device allows.
 pub fn texture(
     device: &wgpu::Device,
     what: &str,
@@ -70,13 +70,28 @@ pub fn texture(
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
 ) -> Result<wgpu::Texture, TooLarge> {
+    let fault = |size: String, limit: u32| TooLarge {
+        what: what.to_owned(),
+        size,
+        limit: limit.into(),
+    };
     let limit = device.limits().max_texture_dimension_2d;
     if size.width == 0 || size.height == 0 || size.width > limit || size.height > limit {
-        return Err(TooLarge {
-            what: what.to_owned(),
-            size: format!("{} by {} texels", size.width, size.height),
-            limit: limit.into(),
-        });
+        return Err(fault(
+            format!("{} by {} texels", size.width, size.height),
+            limit,
+        ));
+    }
+    let (layers, limit) = (
+        size.depth_or_array_layers,
+        device.limits().max_texture_array_layers,
+    );
+    if !(1..=limit).contains(&layers) {
+        return Err(fault(format!("{layers} layers"), limit));
+    }
+    let limit = size.max_mips(wgpu::TextureDimension::D2);
+    if !(1..=limit).contains(&levels) {
+        return Err(fault(format!("{levels} mip levels"), limit));
     }
     Ok(device.create_texture(&wgpu::TextureDescriptor {
         label: Some(what),

@@ -2,21 +2,22 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
 
-use umbrage_compose::{BindingKind, Composed, Composer, Permutation, ProjectedKey};
+use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Pass,
-    Reads, ScreenPass, ShadowPlan, Viewport,
+    BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Part,
+    Pass, Reads, ScreenPass, ShadowPlan, Source, Viewport, Workgroups,
 };
 
 use crate::{
-    CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity,
-    Pipeline, Program, Question, ShadowResources, Times,
-    record::{self, Memory, Record, Shader},
+    CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
+    Program, Question, ShadowResources, Times,
+    record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
-    targets::{attachment, bad_plan, check_regions, depth_attachment, is_depth, is_floats},
+    targets::{Targets, attachment, bad_plan, check_regions, depth_attachment, source},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -163,11 +164,8 @@ impl Executor {
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
-        let plan = job.shadow.method().plan(job.frame);
-        let plan = plan.map_err(|source| Error::Plan {
-            light: job.name.to_owned(),
-            source,
-        })?;
+        let plan = plan(job)?;
+        check_numbers(job, &plan)?;
         check_regions(job, &plan.regions)?;
         check_question(job, &plan)?;
         resources::check_names(job, &plan)?;
@@ -306,18 +304,15 @@ pub(crate) struct Execution<'a> {
     pub(crate) shared: &'a mut Shared,
     pub(crate) job: &'a Job<'a>,
     pub(crate) memory: Memory,
-    resources: ShadowResources,
+    pub(crate) resources: ShadowResources,
     /// Textures and buffers that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
-    /// Buffers, and colour textures, that a pass has filled in part, or whole: only the first one into each clears it.
-    filled: BTreeSet<String>,
+    /// Where a pass has written, depths apart: only the first one into each place clears it.
+    pub(crate) filled: BTreeSet<Place>,
 }
 
 /// Where a pass is recorded, and where its times are noted.
 type Recording<'a> = (&'a mut wgpu::CommandEncoder, Option<&'a Times>);
-
-/// A pass that is to be run, and its shader where it draws no caster.
-type Ready = (Record, Option<Composed>);
 
 impl<'a> Execution<'a> {
     fn new(
@@ -336,7 +331,7 @@ impl<'a> Execution<'a> {
         memory.textures.extend(textures);
         memory.buffers.extend(buffers);
         new.extend(new_buffers);
-        memory.drawn.retain(|(name, _), _| !new.contains(name));
+        memory.drawn.retain(|(name, ..), _| !new.contains(name));
         memory.contents.retain(|name, _| !new.contains(name));
         for contents in &plan.contents {
             if memory.contents.get(&contents.texture) == Some(&contents.bytes) {
@@ -368,15 +363,14 @@ impl<'a> Execution<'a> {
         shaders: Vec<Option<Composed>>,
         host: &mut dyn Host,
     ) -> Result<Vec<Run>, Error> {
-        let passes = plan.passes.iter().zip(shaders);
-        let ready = passes.map(|(pass, shader)| self.ready(pass, shader, plan));
-        let ready = ready.collect::<Result<Vec<Ready>, Error>>()?;
-        let reads: Vec<_> = ready.iter().map(reads).collect();
-        let records: Vec<_> = ready.iter().map(|(record, _)| record.clone()).collect();
-        let wanted = record::by_layer(&records);
-        let stale = record::stale(plan, (&wanted, &self.memory.drawn), &reads, &self.new);
+        let passes = plan.passes.iter().zip(&shaders);
+        let ready = passes.map(|(pass, shader)| self.ready(pass, shader.as_ref(), plan));
+        let ready = ready.collect::<Result<Vec<_>, Error>>()?;
+        self.check_reads(plan, ready.iter().map(|(_, touches)| touches))?;
+        let wanted = record::by_place(&ready);
+        let stale = record::stale(&ready, (&wanted, &self.memory.drawn), &self.new);
         let mut runs = Vec::with_capacity(stale.len());
-        for ((pass, (_, composed)), stale) in plan.passes.iter().zip(&ready).zip(stale) {
+        for ((pass, composed), stale) in plan.passes.iter().zip(&shaders).zip(stale) {
             runs.push(if stale { Run::Recorded } else { Run::Kept });
             if !stale {
                 continue;
@@ -398,13 +392,13 @@ impl<'a> Execution<'a> {
         Ok(runs)
     }
 
-    /// All that `pass` depends on, with its shader. Faults are told before anything is recorded, as far as they can be.
+    /// All that `pass` depends on, and what it touches. Faults are told before anything is recorded, as far as they can be.
     fn ready(
         &self,
         pass: &Pass,
-        composed: Option<Composed>,
+        composed: Option<&Composed>,
         plan: &ShadowPlan,
-    ) -> Result<Ready, Error> {
+    ) -> Result<(Record, Touches), Error> {
         let mut record = Record {
             pass: pass.clone(),
             origin: self.job.frame.view.position,
@@ -413,7 +407,7 @@ impl<'a> Execution<'a> {
             shader: None,
         };
         if let Pass::Casters(pass) = pass {
-            if pass.depth.is_none() && pass.color.is_none() {
+            if pass.depth.is_none() && pass.colors.is_empty() {
                 return Err(self.bad("casters into no texture"));
             }
             if !pass.view_proj.is_finite() {
@@ -430,12 +424,17 @@ impl<'a> Execution<'a> {
                 .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
                 .collect();
         }
-        if let Some(composed) = &composed {
-            // One that writes nothing is never run.
-            self.check_stores(pass, &composed.permutation)?;
-            record.shader = Some(self.shader(pass, &composed.permutation, plan));
+        if let Pass::Screen(pass) = pass
+            && pass.targets.is_empty()
+        {
+            return Err(self.bad("a full-screen pass into no texture"));
         }
-        Ok((record, composed))
+        let permutation = composed.map(|composed| &*composed.permutation);
+        let touches = self.touches(pass, permutation)?;
+        if let Some(permutation) = permutation {
+            record.shader = Some(self.shader(pass, permutation, plan));
+        }
+        Ok((record, touches))
     }
 
     /// What the shader of `pass` depends on, textures and buffers that passes fill apart.
@@ -444,8 +443,10 @@ impl<'a> Execution<'a> {
         let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
         let renamed = pass.reads().map_or(&[][..], |reads| &reads.renamed);
         let stored = |desc: &&BufferDesc| {
-            let mut names = bindings.iter().map(|binding| named(renamed, &binding.name));
-            names.any(|name| name == desc.name)
+            let mut sources = bindings
+                .iter()
+                .map(|binding| source(renamed, &binding.name));
+            sources.any(|source| source.name == desc.name)
         };
         let depth = self.job.camera_depth.filter(|_| reads(Reads::CAMERA_DEPTH));
         Shader {
@@ -466,21 +467,11 @@ impl<'a> Execution<'a> {
         pass: &CasterPass,
         host: &mut dyn Host,
     ) -> Result<(), Error> {
-        let depth = match &pass.depth {
-            Some(target) => Some((target, self.depth_target(target, &pass.viewport)?)),
-            None => None,
-        };
-        let color = match &pass.color {
-            Some(target) => {
-                let size = depth.as_ref().map(|(_, (desc, _))| desc);
-                let found = self.color_target(target, size, &pass.viewport)?;
-                Some((found, self.filled.insert(target.texture.clone())))
-            }
-            None => None,
-        };
+        let targets = self.caster_targets(pass)?;
+        let (depth, colors) = (&targets.depth, &targets.colors);
         let state = DrawState {
-            color: color.as_ref().map(|((state, _), _)| *state),
-            depth: depth.as_ref().map(|(_, (desc, _))| desc.format),
+            colors: colors.iter().map(|color| color.state).collect(),
+            depth: depth.as_ref().map(|(format, ..)| *format),
             compare: pass
                 .depth
                 .as_ref()
@@ -489,17 +480,11 @@ impl<'a> Execution<'a> {
             cull: pass.cull,
             ..DrawState::NOTHING
         };
-        let colors = color
-            .as_ref()
-            .map(|((_, view), clear)| attachment(view, *clear));
-        let depths = depth.as_ref().map(|(target, (_, view))| {
-            let load = target.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
-            depth_attachment(view, load)
-        });
+        let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&pass.shader),
-            color_attachments: colors.as_slice(),
-            depth_stencil_attachment: depths,
+            color_attachments: &colors,
+            depth_stencil_attachment: depth.as_ref().map(depth_attachment),
             timestamp_writes: times.map(render_times),
             ..Default::default()
         });
@@ -513,13 +498,12 @@ impl<'a> Execution<'a> {
             shader: &pass.shader,
             choices: self.job.choices,
             state,
-            view_proj: pass.view_proj,
+            constants: (pass.constants.clone()).with("view_proj", pass.view_proj),
             groups: HashMap::new(),
         };
         host.draw(&casters, &mut draws)
             .map_err(|source| match source.downcast::<Error>() {
-                // Its own words say what is wrong.
-                Ok(own) => *own,
+                Ok(own) => own.in_pass(self.job),
                 Err(source) => Error::Casters {
                     light: self.job.name.to_owned(),
                     source,
@@ -533,41 +517,22 @@ impl<'a> Execution<'a> {
         pass: &ScreenPass,
         composed: &Composed,
     ) -> Result<(), Error> {
-        let (desc, texture) = self.target(&pass.target)?;
-        self.check_viewport(&pass.viewport, &desc)?;
-        let deep = is_depth(desc.format);
-        if !deep && !is_floats(&desc) {
-            let problem = format!(
-                "what is computed into `{}`, which is not one rectangle of floats or of depth ({:?})",
-                desc.name, desc.format
-            );
-            return Err(self.bad(&problem));
-        }
-        let given = self.given_to(&pass.reads);
+        let Targets { depth, colors } = self.screen_targets(pass)?;
+        let given = self.given_to(&pass.reads, &composed.permutation)?;
         let state = DrawState {
-            color: (!deep).then_some(ColorState {
-                format: desc.format,
-                blend: None,
-                channels: wgpu::ColorWrites::ALL,
-            }),
-            depth: deep.then_some(desc.format),
-            write_depth: deep,
+            colors: colors.iter().map(|color| color.state).collect(),
+            depth: depth.as_ref().map(|(format, ..)| *format),
+            write_depth: depth.is_some(),
             unfiltered: unfiltered(Some(&given)),
             ..DrawState::NOTHING
         };
         let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
         let groups = self.groups(&pipeline.program, &given)?;
-        let view = texture.create_view(&Default::default());
-        let clear = self.filled.insert(pass.target.clone());
-        let load = match clear {
-            true => wgpu::LoadOp::Clear(0.0),
-            false => wgpu::LoadOp::Load,
-        };
-        let colors = [(!deep).then(|| attachment(&view, clear)).flatten()];
+        let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&pass.shader),
-            color_attachments: if deep { &[] } else { &colors },
-            depth_stencil_attachment: deep.then(|| depth_attachment(&view, load)),
+            color_attachments: &colors,
+            depth_stencil_attachment: depth.as_ref().map(depth_attachment),
             timestamp_writes: times.map(render_times),
             ..Default::default()
         });
@@ -584,14 +549,14 @@ impl<'a> Execution<'a> {
         pass: &ComputePass,
         composed: &Composed,
     ) -> Result<(), Error> {
-        for name in &pass.writes {
-            if let Some(buffer) = self.memory.buffers.get(name)
-                && self.filled.insert(name.clone())
+        for Source { name, .. } in &pass.writes {
+            if let Some(buffer) = self.resources.written.get(name)
+                && self.filled.insert((name.clone(), 0, 0))
             {
                 encoder.clear_buffer(buffer, 0, None);
             }
         }
-        let given = self.given_to(&pass.reads);
+        let given = self.given_to(&pass.reads, &composed.permutation)?;
         let unfiltered = unfiltered(Some(&given));
         let computation = self.shared.computation(&composed.permutation, unfiltered)?;
         let groups = self.groups(&computation.program, &given)?;
@@ -605,40 +570,60 @@ impl<'a> Execution<'a> {
         });
         recorded.set_pipeline(&computation.pipeline);
         groups.set_compute(&mut recorded);
-        let [x, y, z] = pass.workgroups;
-        recorded.dispatch_workgroups(x, y, z);
-        Ok(())
-    }
-
-    /// Resources of a pass.
-    fn given_to(&self, reads: &Reads) -> ShadowResources {
-        let mut given = self.resources.given_to(reads);
-        if let Some(depth) = self.job.camera_depth {
-            let format = depth.view.texture().format();
-            let name = Reads::CAMERA_DEPTH.to_owned();
-            given.textures.insert(name, (format, depth.view.clone()));
+        match &pass.workgroups {
+            Workgroups::Count([x, y, z]) => recorded.dispatch_workgroups(*x, *y, *z),
+            Workgroups::Indirect { buffer, offset } => {
+                if let Some(buffer) = self.resources.written.get(buffer) {
+                    recorded.dispatch_workgroups_indirect(buffer, *offset);
+                }
+            }
         }
-        given
+        Ok(())
     }
 
     /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        given.groups(self.shared.gpu(), program, &[("light", self.job.constants)])
+        let groups = given.groups(self.shared.gpu(), program, &[("light", self.job.constants)]);
+        groups.map_err(|error| error.in_pass(self.job))
     }
 }
 
-/// The textures and buffers that a pass without casters reads.
-fn reads((record, composed): &Ready) -> BTreeSet<String> {
-    let renamed = record.pass.reads().map_or(&[][..], |reads| &reads.renamed);
-    let reflection = composed.iter().map(|c| &c.permutation.reflection);
-    let bindings = reflection.flat_map(|reflection| &reflection.bindings);
-    let read = bindings.filter(|binding| match binding.kind {
-        BindingKind::Texture { .. } => binding.name != Reads::CAMERA_DEPTH,
-        BindingKind::Storage { read_only, .. } => read_only,
-        _ => false,
-    });
-    read.map(|binding| named(renamed, &binding.name).to_owned())
-        .collect()
+/// The plan of the job's parts. They are anybody's: one that panics is no reason for the engine to end.
+fn plan(job: &Job<'_>) -> Result<ShadowPlan, Error> {
+    let method = job.shadow.method();
+    // A part has no state to be left broken.
+    let planned = catch_unwind(AssertUnwindSafe(|| method.plan(job.frame)));
+    let light = job.name.to_owned();
+    let planned = planned.map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
+        let mut parts = format!("method `{}`", method.name());
+        for (kind, part) in [
+            ("depths", job.frame.depth.map(Part::name)),
+            ("filter", job.frame.filter.map(Part::name)),
+        ] {
+            parts.extend(part.map(|part| format!(" with {kind} `{part}`")));
+        }
+        Error::Panicked {
+            light: light.clone(),
+            parts,
+            said: said.unwrap_or("no words").to_owned(),
+        }
+    })?;
+    planned.map_err(|source| Error::Plan { light, source })
+}
+
+/// Whether what a plan tells of its filter and its reach are numbers.
+fn check_numbers(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+    let (radius, distance) = (plan.filter_radius, plan.shadow_distance);
+    let problem = if !(radius >= 0.0 && radius.is_finite()) {
+        format!("a filter's radius of {radius} texels")
+    } else if let Some(distance) = distance.filter(|distance| distance.is_nan()) {
+        format!("a shadow distance of {distance} m")
+    } else {
+        return Ok(());
+    };
+    Err(bad_plan(job, &problem))
 }
 
 /// Whether what a plan asks about are buffers that its passes write, and whether it asks too often.
@@ -663,12 +648,6 @@ fn check_question(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
         return Ok(());
     };
     Err(bad_plan(job, &problem))
-}
-
-/// The texture that a pass has for a binding.
-pub(crate) fn named<'a>(renamed: &'a [(String, String)], binding: &'a str) -> &'a str {
-    let found = renamed.iter().find(|(from, _)| from == binding);
-    found.map_or(binding, |(_, texture)| texture)
 }
 
 fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {

@@ -9,8 +9,8 @@ use crate::Error;
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DrawState {
-    /// Where colours go; none where they are not written.
-    pub color: Option<ColorState>,
+    /// Where colours go, by location; none where they are not written.
+    pub colors: Vec<ColorState>,
     /// The format of the depths; none where there are none.
     pub depth: Option<wgpu::TextureFormat>,
     /// How depths are compared.
@@ -28,7 +28,7 @@ pub struct DrawState {
 impl DrawState {
     /// The state of a pass without targets.
     pub const NOTHING: Self = Self {
-        color: None,
+        colors: Vec::new(),
         depth: None,
         compare: wgpu::CompareFunction::Always,
         write_depth: false,
@@ -160,11 +160,14 @@ impl Pipeline {
         let module = &program.module;
         let entry = |stage| program.permutation.reflection.entry_point(stage);
         let buffers: Vec<_> = vertices.iter().cloned().map(Some).collect();
-        let targets = [state.color.map(|color| wgpu::ColorTargetState {
-            format: color.format,
-            blend: color.blend,
-            write_mask: color.channels,
-        })];
+        let targets = state.colors.iter().map(|color| {
+            Some(wgpu::ColorTargetState {
+                format: color.format,
+                blend: color.blend,
+                write_mask: color.channels,
+            })
+        });
+        let targets: Vec<_> = targets.collect();
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&program.permutation.key.to_string()),
             layout: Some(&program.layout),
@@ -191,7 +194,7 @@ impl Pipeline {
                 module,
                 entry_point: Some(&entry.name),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: if state.color.is_some() { &targets } else { &[] },
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,

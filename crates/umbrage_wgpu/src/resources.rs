@@ -28,26 +28,6 @@ pub struct ShadowResources {
     pub filters_all_floats: bool,
 }
 
-impl ShadowResources {
-    /// Resources of a pass of the plan, under the names that it has for them.
-    pub fn given_to(&self, reads: &Reads) -> Self {
-        let mut given = self.clone();
-        given.constants = reads.constants.clone();
-        for (binding, texture) in &reads.renamed {
-            rename(&mut given.textures, binding, self.textures.get(texture));
-            rename(&mut given.buffers, binding, self.buffers.get(texture));
-            rename(&mut given.written, binding, self.written.get(texture));
-        }
-        given
-    }
-}
-
-fn rename<T: Clone>(all: &mut BTreeMap<String, T>, binding: &str, found: Option<&T>) {
-    if let Some(found) = found {
-        all.insert(binding.to_owned(), found.clone());
-    }
-}
-
 /// A plan's textures by name.
 pub(crate) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
 
@@ -61,15 +41,23 @@ pub(crate) fn textures(
     use wgpu::TextureUsages as Usage;
     let (mut textures, mut new) = (Textures::new(), BTreeSet::new());
     for desc in &plan.textures {
+        let depth = desc.format.has_depth_aspect();
+        if !desc.empty.is_finite() || (depth && !(0.0..=1.0).contains(&desc.empty)) {
+            let problem = format!(
+                "the texture `{}`, empty at {}: a finite number, of depth from 0 to 1, is needed",
+                desc.name, desc.empty
+            );
+            return Err(bad_plan(job, &problem));
+        }
         let filled = match contents(job, plan, desc)? {
             Some(_) => Usage::COPY_DST,
             None => written(plan, &desc.name),
         };
         let usage = Usage::TEXTURE_BINDING | filled;
-        let stored = STORED.contains(&desc.format) && desc.shape == TextureShape::D2;
+        let stored = STORED.contains(&desc.format) && desc.shape != TextureShape::Cube;
         if usage.contains(Usage::STORAGE_BINDING) && !stored {
             let problem = format!(
-                "the texture `{}` is written by a compute shader, but is not one rectangle in a format to store to ({:?})",
+                "the texture `{}` is written by a compute shader, but is a cube, or in no format to store to ({:?})",
                 desc.name, desc.format
             );
             return Err(bad_plan(job, &problem));
@@ -81,7 +69,7 @@ pub(crate) fn textures(
             None => {
                 new.insert(desc.name.clone());
                 let what = what(job, "texture", &desc.name);
-                device::texture(device, &what, size(desc), 1, desc.format, usage)?
+                device::texture(device, &what, size(desc), desc.levels, desc.format, usage)?
             }
         };
         textures.insert(desc.name.clone(), (desc.clone(), texture));
@@ -131,7 +119,7 @@ pub(crate) fn buffers(
             Some(buffer) => buffer.clone(),
             None => {
                 new.insert(desc.name.clone());
-                let usage = Usage::STORAGE | Usage::COPY_SRC;
+                let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::INDIRECT;
                 device::zeros(device, &what(job, "buffer", &desc.name), usage, size)?
             }
         };
@@ -176,6 +164,7 @@ pub(crate) fn resources(
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(match desc.shape {
                 TextureShape::D2 => wgpu::TextureViewDimension::D2,
+                TextureShape::Array(_) => wgpu::TextureViewDimension::D2Array,
                 TextureShape::Cube => wgpu::TextureViewDimension::Cube,
             }),
             ..Default::default()
@@ -241,7 +230,7 @@ fn written(plan: &ShadowPlan, name: &str) -> wgpu::TextureUsages {
     let writers = plan
         .passes
         .iter()
-        .filter(|pass| pass.writes().any(|written| written == name));
+        .filter(|pass| pass.writes().contains(&name));
     let usages = writers.map(|pass| match pass {
         Pass::Compute(_) => Usage::STORAGE_BINDING,
         _ => Usage::RENDER_ATTACHMENT,

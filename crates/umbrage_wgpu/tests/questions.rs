@@ -55,11 +55,11 @@ fn written(name: &str, bytes: u64) -> BufferDesc {
 
 fn compute(shader: &str, writes: &str, renamed: &[(&str, &str)], constants: Constants) -> Pass {
     let renamed = renamed.iter();
-    let renamed = renamed.map(|(from, to)| ((*from).to_owned(), (*to).to_owned()));
+    let renamed = renamed.map(|(from, to)| ((*from).to_owned(), (*to).into()));
     Pass::Compute(ComputePass {
         shader: shader.to_owned(),
-        workgroups: [1; 3],
-        writes: vec![writes.to_owned()],
+        workgroups: [1; 3].into(),
+        writes: vec![writes.into()],
         reads: Reads {
             renamed: renamed.collect(),
             constants,

@@ -129,7 +129,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let permutation = composer.compose(&library.key(choices)?)?.permutation;
         let (format, add) = (canvas.color.format(), (number > 0).then_some(execute::ADD));
         let state = DrawState {
-            color: Some(ColorState::new(format, add)),
+            colors: vec![ColorState::new(format, add)],
             depth: Some(canvas.depth.format()),
             compare: CompareFunction::GreaterEqual,
             write_depth: number == 0,

@@ -429,8 +429,8 @@ fn what_pixels_see_is_asked() {
     let [Pass::Compute(pass)] = &question.passes[..] else {
         panic!("one pass: {:?}", question.passes)
     };
-    assert_eq!(pass.workgroups, [10, 2, 1]);
-    assert_eq!(pass.writes, ["seen_depths"]);
+    assert_eq!(pass.workgroups, [10, 2, 1].into());
+    assert_eq!(pass.writes, ["seen_depths".into()]);
     scene.answer([5.0, 20.0]);
     let plan = scene.plan().expect("a plan");
     assert!(plan.asks.is_empty());

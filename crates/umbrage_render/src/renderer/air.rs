@@ -129,11 +129,11 @@ impl Renderer {
             light,
             vertices: Vertices::Shared,
             state: DrawState {
-                color: Some(ColorState {
+                colors: vec![ColorState {
                     format: target.format(),
                     blend: pass.blend,
                     channels: wgpu::ColorWrites::ALL,
-                }),
+                }],
                 unfiltered: unfiltered(shadow),
                 ..DrawState::NOTHING
             },

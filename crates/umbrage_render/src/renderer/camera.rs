@@ -384,11 +384,11 @@ fn camera_state(
     shadow: Option<&ShadowResources>,
 ) -> DrawState {
     DrawState {
-        color: Some(ColorState {
+        colors: vec![ColorState {
             format,
             blend: pass.blend,
             channels: wgpu::ColorWrites::ALL,
-        }),
+        }],
         depth: Some(DEPTH),
         compare: wgpu::CompareFunction::GreaterEqual,
         write_depth: pass.writes_depth,

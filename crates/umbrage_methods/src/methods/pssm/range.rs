@@ -85,8 +85,8 @@ pub(super) fn reduce(frame: &Frame<'_>, plan: &mut ShadowPlan) -> Result<(), Pla
     });
     plan.passes.push(Pass::Compute(ComputePass {
         shader: "depth_range".to_owned(),
-        workgroups: [across, down, 1],
-        writes: vec![BUFFER.to_owned()],
+        workgroups: [across, down, 1].into(),
+        writes: vec![BUFFER.into()],
         reads: Reads::default(),
     }));
     Ok(())
