@@ -43,8 +43,8 @@ impl ShadowMethod for Colored {
         for pass in &mut plan.passes {
             if let Pass::Casters(pass) = pass {
                 pass.shader = "caster_depth".to_owned();
-                pass.color = Some(ColorTarget {
-                    texture: "color_map".to_owned(),
+                pass.colors.push(ColorTarget {
+                    target: "color_map".into(),
                     channels: ColorWrites::RED,
                     blend: Blend::Replace,
                 });

@@ -6,7 +6,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
 
 use glam::{DMat4, DVec2, DVec3, Vec2};
-use umbrage::shadow::{Casters, Frame, Pass, Registry, Settings, ShadowPlan, View};
+use umbrage::shadow::{Answers, Casters, Frame, Pass, Registry, Settings, ShadowPlan, View};
 use umbrage_testkit::twins::{BasicTwin, Choice, MidpointTwin, PssmTwin};
 
 use crate::{Stage, air};
@@ -135,12 +135,14 @@ impl<'a> Oracle<'a> {
                         casters: Casters {
                             casters: &bounds,
                             receivers: &receivers,
+                            air: air::shaded(scene, &view, &light.light).is_some(),
                         },
                         settings: &settings,
                         axes: &axes,
                         depth: choice.depth,
                         filter: choice.filter,
-                        seen: None,
+                        camera_depth: None,
+                        answers: Answers::none(),
                     })
                     .ok()?;
                 let width = axes.get("pcf")?.parse().ok()?;
@@ -373,7 +375,7 @@ impl<'a> Oracle<'a> {
                 (number == layer as usize).then_some(pass)
             }
             (Pass::Casters(pass), _) => {
-                let own = pass.depth.as_ref().map_or(0, |depth| depth.layer);
+                let own = pass.depth.as_ref().map_or(0, |depth| depth.target.layer);
                 (own == layer).then_some(pass)
             }
             _ => None,

@@ -15,7 +15,7 @@ use umbrage::{
     },
     shadow::{
         Constants, Contents, Frame, Light, Part, Pass, PlanError, Reads, ScreenPass, Setting,
-        ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Value, Viewport,
+        ShadowMethod, ShadowPlan, Support, TextureDesc, Value, Viewport, Workgroups,
     },
 };
 use umbrage_tests::{Maps, Place};
@@ -77,13 +77,8 @@ impl ShadowMethod for Probe {
         plan.passes.insert(0, fill(size));
         let pixels = [SIZE; 2];
         let mut add = |name: &str, format, [width, height]: [u32; 2], numbers: Vec<f32>| {
-            plan.textures.push(TextureDesc {
-                name: name.to_owned(),
-                format,
-                width,
-                height,
-                shape: TextureShape::D2,
-            });
+            plan.textures
+                .push(TextureDesc::d2(name, format, [width, height]));
             plan.contents.push(Contents {
                 texture: name.to_owned(),
                 bytes: numbers.into_iter().flat_map(f32::to_le_bytes).collect(),
@@ -120,7 +115,7 @@ fn tiles(plan: &ShadowPlan) -> Vec<Viewport> {
 fn fill([width, height]: [u32; 2]) -> Pass {
     Pass::Screen(ScreenPass {
         shader: "probe_fill".to_owned(),
-        target: "shadow_map".to_owned(),
+        targets: vec!["shadow_map".into()],
         viewport: Viewport {
             x: 0,
             y: 0,
@@ -268,7 +263,10 @@ impl Trial {
             width: self.resolution,
             height: self.resolution,
         };
-        (0..built.workgroups[2]).map(tile).collect()
+        let Workgroups::Count([.., tiles]) = built.workgroups else {
+            panic!("tiles are counted");
+        };
+        (0..tiles).map(tile).collect()
     }
 }
 

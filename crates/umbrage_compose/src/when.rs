@@ -88,7 +88,7 @@ mod tests {
             "light": (values: { "sun": (), "lamp": () }),
         })"#;
         let mut axes = Axes::default();
-        axes.merge("demo", &SourceText::new("axes.ron", text))
+        axes.merge("demo", &SourceText::new("axes.ron", text), &[])
             .unwrap();
         axes
     }

@@ -65,12 +65,14 @@ fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanEr
         casters: Casters {
             casters: &boxes,
             receivers: &boxes,
+            air: false,
         },
         settings: &Settings::check(&choice.settings(), []).expect("defaults"),
         axes: &axes,
         depth: choice.depth,
         filter: choice.filter,
-        seen: None,
+        camera_depth: None,
+        answers: Answers::none(),
     })
 }
 

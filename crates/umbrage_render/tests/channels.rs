@@ -5,7 +5,7 @@ mod common;
 use common::probe::{number, probing, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, Constants, Contents, DepthTarget, Frame, Pass, ShadowPlan,
+    Blend, CasterPass, ColorTarget, Constants, Contents, DepthOrder, Frame, Pass, ShadowPlan,
     Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
@@ -43,12 +43,12 @@ fn channels(frame: &Frame<'_>) -> ShadowPlan {
         let depth = 0.1 * (channel + 1) as f32;
         Pass::Casters(CasterPass {
             shader: "caster_depth".to_owned(),
-            depth: Some(DepthTarget::nearest("depth_map")),
-            color: Some(ColorTarget {
-                texture: "color_map".to_owned(),
+            depth: Some(DepthOrder::Reversed.nearest("depth_map".into(), true)),
+            colors: vec![ColorTarget {
+                target: "color_map".into(),
                 channels: ColorWrites::from_bits_truncate(1 << channel),
                 blend: Blend::Replace,
-            }),
+            }],
             viewport: Viewport {
                 x: half,
                 y: 0,
@@ -58,6 +58,7 @@ fn channels(frame: &Frame<'_>) -> ShadowPlan {
             cull: None,
             // The wall fills a tenth of the map, scaled ten times: all of it.
             view_proj: Mat4::from_scale(Vec3::new(20.0, 20.0, 1.0)) * flat(depth),
+            constants: Constants::new(),
             casters: vec![0],
             receivers: None,
         })
@@ -98,24 +99,30 @@ fn colour_targets_that_do_not_fit_are_named() {
         let Some(Pass::Casters(pass)) = plan.passes.first_mut() else {
             unreachable!("the plan has passes")
         };
-        pass.color.as_mut().expect("it has a colour")
+        pass.colors.first_mut().expect("it has a colour")
     }
     let cases: [(Spoil, &str); 7] = [
         (
-            |plan| color(plan).texture = "gone".to_owned(),
+            |plan| color(plan).target = "gone".into(),
             "the target `gone`, which is none of its textures",
         ),
         (
-            |plan| color(plan).texture = "depth_map".to_owned(),
-            "a colour into `depth_map`, which is not one rectangle of floats",
+            |plan| {
+                color(plan).target = "depth_map".into();
+                plan.passes.truncate(1);
+                if let Some(Pass::Casters(pass)) = plan.passes.first_mut() {
+                    pass.depth = None;
+                }
+            },
+            "a colour into `depth_map`, which is not of floats (Depth32Float)",
         ),
         (
             |plan| plan.textures[0].format = TextureFormat::Rgba32Uint,
-            "not one rectangle of floats (Rgba32Uint)",
+            "a colour into `color_map`, which is not of floats (Rgba32Uint)",
         ),
         (
-            |plan| plan.textures[0].width = 4,
-            "a colour into the 4 by 8 texels of `color_map` and depth into the 8 by 8 of `depth_map`",
+            |plan| plan.textures[0].width = 16,
+            "into the 8 by 8 texels of `depth_map` and the 16 by 8 of `color_map`: both must be as large",
         ),
         (
             |plan| color(plan).channels = ColorWrites::empty(),

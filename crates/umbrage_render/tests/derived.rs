@@ -5,7 +5,7 @@ mod common;
 use common::probe::{number, probing_with, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, ComputePass, Constants, DepthTarget, Frame, Need, Pass, Reads,
+    Blend, CasterPass, ColorTarget, ComputePass, Constants, DepthOrder, Frame, Need, Pass, Reads,
     ScreenPass, ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
@@ -97,8 +97,8 @@ fn casters(x: u32, depth: f32) -> CasterPass {
     let scale = Mat4::from_scale(Vec3::new(0.2, 0.2, 0.01));
     CasterPass {
         shader: "caster".to_owned(),
-        depth: Some(DepthTarget::nearest("map")),
-        color: None,
+        depth: Some(DepthOrder::Reversed.nearest("map".into(), true)),
+        colors: Vec::new(),
         viewport: Viewport {
             x,
             width: SIZE - x,
@@ -107,6 +107,7 @@ fn casters(x: u32, depth: f32) -> CasterPass {
         cull: None,
         // The wall is 3 m before the camera.
         view_proj: Mat4::from_translation(Vec3::new(0.0, 0.0, depth + 0.03)) * scale,
+        constants: Constants::new(),
         casters: vec![0],
         receivers: None,
     }
@@ -115,10 +116,10 @@ fn casters(x: u32, depth: f32) -> CasterPass {
 fn scale(from: &str, target: &str, factor: f32) -> Pass {
     Pass::Screen(ScreenPass {
         shader: "probe_scale".to_owned(),
-        target: target.to_owned(),
+        targets: vec![target.into()],
         viewport: everything(),
         reads: Reads {
-            renamed: vec![("before".to_owned(), from.to_owned())],
+            renamed: vec![("before".to_owned(), from.into())],
             constants: Constants::new().with("factor", Value::F32(factor)),
         },
     })
@@ -127,8 +128,8 @@ fn scale(from: &str, target: &str, factor: f32) -> Pass {
 fn mirror() -> ComputePass {
     ComputePass {
         shader: "probe_mirror".to_owned(),
-        workgroups: [1, SIZE, 1],
-        writes: vec!["mirrored".to_owned()],
+        workgroups: [1, SIZE, 1].into(),
+        writes: vec!["mirrored".into()],
         reads: Reads::default(),
     }
 }
@@ -148,7 +149,7 @@ fn plan(frame: &Frame<'_>) -> ShadowPlan {
             Pass::Casters(casters(SIZE / 2, 0.5)),
             Pass::Screen(ScreenPass {
                 shader: "probe_deepen".to_owned(),
-                target: "deepened".to_owned(),
+                targets: vec!["deepened".into()],
                 viewport: Viewport {
                     x: 6,
                     width: 2,
@@ -215,11 +216,11 @@ fn faces(frame: &Frame<'_>) -> ShadowPlan {
     let mut pass = casters(0, 0.5);
     pass.shader = "probe_faces".to_owned();
     pass.depth = None;
-    pass.color = Some(ColorTarget {
-        texture: "scaled".to_owned(),
+    pass.colors = vec![ColorTarget {
+        target: "scaled".into(),
         channels: ColorWrites::RED | ColorWrites::GREEN,
         blend: Blend::Max,
-    });
+    }];
     plan.passes = vec![Pass::Casters(pass)];
     plan.needs = vec![Need {
         features: wgpu::Features::FLOAT32_BLENDABLE,
@@ -265,7 +266,7 @@ fn passes_that_cannot_run_are_named() {
     }
     let cases: [(Spoil, &str); 8] = [
         (
-            |plan| screen(plan).target = "gone".to_owned(),
+            |plan| screen(plan).targets = vec!["gone".into()],
             "the target `gone`, which is none of its textures",
         ),
         (
@@ -274,14 +275,14 @@ fn passes_that_cannot_run_are_named() {
         ),
         (
             |plan| plan.textures[1].format = TextureFormat::Rgba32Uint,
-            "not one rectangle of floats or of depth (Rgba32Uint)",
+            "a colour into `deepened`, which is not of floats (Rgba32Uint)",
         ),
         (
             |plan| screen(plan).shader = "probe_gone".to_owned(),
             "probe_gone",
         ),
         (
-            |plan| compute(plan).workgroups[1] = 0,
+            |plan| compute(plan).workgroups = [1, 0, 1].into(),
             "[1, 0, 1] workgroups of `probe_mirror`, where the device allows from 1 to",
         ),
         (
@@ -289,7 +290,7 @@ fn passes_that_cannot_run_are_named() {
             "`probe_mirror` stores to `mirrored`, which is not among what it `writes`",
         ),
         (
-            |plan| compute(plan).writes = vec!["gone".to_owned()],
+            |plan| compute(plan).writes = vec!["gone".into()],
             "the target `gone`, which is none of its textures",
         ),
         (

@@ -4,7 +4,9 @@ mod common;
 
 use common::probe::{number, probing, refusal, texture};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use umbrage_shadow::{BufferDesc, Constants, Contents, ShadowPlan, TextureShape, Value};
+use umbrage_shadow::{
+    BufferContents, BufferDesc, Constants, Contents, ShadowPlan, TextureShape, Value,
+};
 use wgpu::TextureFormat;
 
 /// Each number in turn, from `first`: a plan's values are all different, so that none stands in for
@@ -168,7 +170,7 @@ fn layouts(first: f32) -> ShadowPlan {
         .with("last", n.vec2());
     let buffer = |name: &str, value| BufferDesc {
         name: name.to_owned(),
-        value,
+        contents: BufferContents::Value(value),
     };
     let buffers = vec![
         buffer("matrices", n.array(3, Numbers::mat4)),
@@ -208,8 +210,8 @@ fn values_that_do_not_fit_are_named() {
     type Spoil = fn(&mut ShadowPlan);
     fn array<'a>(plan: &'a mut ShadowPlan, buffer: &str) -> &'a mut Vec<Value> {
         let found = plan.buffers.iter_mut().find(|b| b.name == buffer);
-        match found.map(|found| &mut found.value) {
-            Some(Value::Array(values)) => values,
+        match found.map(|found| &mut found.contents) {
+            Some(BufferContents::Value(Value::Array(values))) => values,
             _ => unreachable!("`{buffer}` is an array"),
         }
     }
@@ -256,7 +258,7 @@ fn values_that_do_not_fit_are_named() {
              shadow method give",
         ),
         (
-            |plan| plan.buffers[0].value = Value::F32(1.0),
+            |plan| plan.buffers[0].contents = BufferContents::Value(Value::F32(1.0)),
             "`matrices` is array<mat4x4f> of one element at the least, but the value given for it is",
         ),
         (
@@ -273,8 +275,8 @@ fn values_that_do_not_fit_are_named() {
         ),
         (
             |plan| plan.contents[0].texture = "matrix".to_owned(),
-            "method `probe` plans what cannot be drawn: contents for `matrix`, which is none of its \
-             textures",
+            "light `lights[0]`: method `probe` plans what cannot be done: contents for `matrix`, which is none of its \
+             textures; this is a fault of the method: mend it, or choose another",
         ),
         (
             |plan| plan.contents[0].bytes.truncate(95),

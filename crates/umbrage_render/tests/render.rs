@@ -9,8 +9,8 @@ use glam::{DVec3, Vec3, Vec4};
 use umbrage_compose::Source;
 use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 use umbrage_shadow::{
-    CasterPass, Constants, DepthTarget, Frame, Light, Part, Pass, PlanError, Registry,
-    ShadowMethod, ShadowPlan, Support, TextureDesc, TextureShape, Viewport,
+    CasterPass, Constants, DepthOrder, DepthTarget, Frame, Light, Part, Pass, PlanError, Registry,
+    ShadowMethod, ShadowPlan, Support, TextureDesc, Viewport,
 };
 
 /// A ball of either surface on a ground; the far lamp reaches only the ground under it.
@@ -372,16 +372,14 @@ impl ShadowMethod for Faulty {
     }
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
         let mut plan = ShadowPlan {
-            textures: vec![TextureDesc {
-                name: "shadow_map".to_owned(),
-                format: wgpu::TextureFormat::Depth32Float,
-                width: 64,
-                height: 64,
-                shape: TextureShape::D2,
-            }],
+            textures: vec![TextureDesc::d2(
+                "shadow_map",
+                wgpu::TextureFormat::Depth32Float,
+                [64; 2],
+            )],
             passes: vec![Pass::Casters(CasterPass {
                 shader: "caster".to_owned(),
-                depth: Some(DepthTarget::nearest("shadow_map")),
+                depth: Some(DepthOrder::Reversed.nearest("shadow_map".into(), true)),
                 viewport: Viewport {
                     x: 0,
                     y: 0,
@@ -390,8 +388,9 @@ impl ShadowMethod for Faulty {
                 },
                 cull: None,
                 view_proj: glam::Mat4::IDENTITY,
+                constants: Constants::new(),
                 casters: (0..frame.casters.casters.len()).collect(),
-                color: None,
+                colors: Vec::new(),
                 receivers: None,
             })],
             constants: Constants::new(),
@@ -429,11 +428,11 @@ fn faulty_methods_are_named() {
             .to_string()
     };
     let cases: [(Fault, &str); 9] = [
+        (|plan| depth(plan).target = "map".into(), "the target `map`"),
         (
-            |plan| depth(plan).texture = "map".to_owned(),
-            "the target `map`",
+            |plan| depth(plan).target.layer = 1,
+            "layer 1 of `shadow_map`",
         ),
-        (|plan| depth(plan).layer = 1, "layer 1 of `shadow_map`"),
         (
             |plan| pass(plan).viewport.x = 1,
             "outside the 64 by 64 texels",

@@ -1,16 +1,13 @@
-//! A method that wants to know between which depths pixels see something is told so, in the same frame.
+//! A method that asks between which depths pixels see something is told so, in the same frame.
 
 mod common;
 
-use std::{
-    collections::BTreeMap,
-    sync::{Arc, Mutex},
-};
+use std::sync::{Arc, Mutex};
 
 use common::{example, methods, renderer, scene};
 use glam::{DVec2, DVec3};
-use umbrage_methods::methods::pssm::Pssm;
-use umbrage_render::{Path, Picture, RenderOptions, Renderer, Scene, Shadow, What};
+use umbrage_methods::methods::pssm::{self, Pssm};
+use umbrage_render::{Medium, Path, Picture, RenderOptions, Renderer, Report, Scene, Shadow, What};
 use umbrage_shadow::{Frame, Light, Part, PlanError, Registry, ShadowMethod, ShadowPlan, Support};
 
 type Seen = Arc<Mutex<Vec<Option<[f64; 2]>>>>;
@@ -31,11 +28,8 @@ impl ShadowMethod for Noting {
     fn supports(&self, light: &Light) -> Support {
         Pssm.supports(light)
     }
-    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
-        Pssm.wants_seen_depths(axes)
-    }
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
-        self.0.lock().expect("a note").push(frame.seen);
+        self.0.lock().expect("a note").push(pssm::seen(frame)?);
         let settings = umbrage_shadow::Settings::check(Pssm.settings(), []).expect("defaults");
         Pssm.plan(&Frame {
             settings: &settings,
@@ -121,9 +115,12 @@ fn the_depths_told_are_those_of_the_pixels() {
                     seen.lock().expect("a note").clear();
                     renderer.render(&scene, &options).expect("renders");
                     let told = seen.lock().expect("a note").clone();
-                    let [Some([least, most])] = told[..] else {
-                        unreachable!("one light is told: {told:?}")
+                    let Some((Some([least, most]), asked)) = told.split_last() else {
+                        unreachable!("one light asks and is told: {told:?}")
                     };
+                    // Where the depth is not there yet, it is laid down once it is asked for.
+                    let asks = if what == What::Shaded { 1 } else { 2 };
+                    assert_eq!(asked, vec![None; asks]);
                     // A rasteriser's grid moves what is seen at grazing angles.
                     let apart = (least / expected[0] - 1.0).abs();
                     assert!(apart < 1e-3, "{name} {size:?}: {least} for {expected:?}");
@@ -145,15 +142,52 @@ fn who_does_not_ask_pays_nothing() {
         renderer.render(&scene, &options).expect("renders").report
     };
     let (boxes, depths) = (render("boxes"), render("depths"));
-    assert_eq!(boxes.mask_bytes, 0);
-    // Planes, and the reduction.
-    assert_eq!(
-        depths.passes - depths.caster_passes,
-        boxes.passes - boxes.caster_passes + 2
-    );
-    assert_eq!(depths.mask_bytes, 16 * 160 * 120);
+    // The reduction, over the depth that the picture has anyway; asked again, it stands.
+    let others = |report: &Report| report.passes - report.caster_passes;
+    assert_eq!(others(&depths), others(&boxes) + 1);
+    assert_eq!((boxes.derived_passes, depths.derived_passes), (0, 1));
+    assert_eq!((boxes.kept_passes, depths.kept_passes), (0, 1));
+    assert_eq!((boxes.mask_bytes, depths.mask_bytes), (0, 0));
     let told = seen.lock().expect("a note").clone();
-    assert!(told[0].is_none() && told[1].is_some(), "{told:?}");
+    assert!(
+        matches!(told[..], [None, None, Some(_)]),
+        "who does not ask plans once: {told:?}"
+    );
+}
+
+/// Maps stand though the frame's plan begins with a question, and what is asked is found anew in each picture.
+#[test]
+fn maps_stand_between_questions() {
+    let (mut renderer, seen) = noting();
+    let mut scene = example("avenue.ron");
+    scene.lights.push(scene.lights[0].clone());
+    let options = options(What::Shaded, [160, 120], "depths");
+    let first = renderer.render(&scene, &options).expect("renders").report;
+    let second = renderer.render(&scene, &options).expect("renders").report;
+    assert!(first.caster_passes > 2, "{}", first.caster_passes);
+    // Each light asks for itself.
+    assert_eq!((first.derived_passes, second.derived_passes), (2, 2));
+    assert_eq!(second.caster_passes, 0);
+    assert_eq!(second.kept_passes, first.caster_passes + 2);
+    let told = seen.lock().expect("a note").clone();
+    assert_eq!(told.len(), 8);
+    assert!(told.iter().skip(1).step_by(2).all(|one| *one == told[1]));
+}
+
+/// Air is seen from the near plane on: where it is a receiver, boxes bound the range, and nothing is asked.
+#[test]
+fn air_is_bounded_by_boxes() {
+    let (mut renderer, seen) = noting();
+    let mut scene = example("avenue.ron");
+    scene.medium = Some(Medium {
+        scattering: 0.01,
+        absorption: 0.0,
+        anisotropy: 0.0,
+    });
+    let options = options(What::Shaded, [160, 120], "depths");
+    let report = renderer.render(&scene, &options).expect("renders").report;
+    assert_eq!(report.derived_passes, 0);
+    assert_eq!(*seen.lock().expect("a note"), [None]);
 }
 
 /// A box may be in sight where no pixel sees what is in it, such as a plane from its edge: then no map is drawn.
@@ -169,8 +203,8 @@ fn nothing_may_be_seen() {
     let options = options(What::Shaded, [64, 63], "depths");
     let rendered = renderer.render(&scene, &options).expect("renders");
     let told = seen.lock().expect("a note").clone();
-    let [Some([least, most])] = told[..] else {
-        unreachable!("one light is told: {told:?}")
+    let [None, Some([least, most])] = told[..] else {
+        unreachable!("one light asks and is told: {told:?}")
     };
     assert!(least > most, "{least} to {most} m");
     assert_eq!(rendered.report.caster_passes, 0);

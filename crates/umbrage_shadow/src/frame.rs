@@ -5,7 +5,8 @@ use std::{collections::BTreeMap, fmt::Display};
 use glam::{DVec2, DVec3};
 
 use crate::{
-    Aabb, Bias, DepthSource, Filter, Frustum, Light, Maps, Setting, Settings, ShadowPlan, View,
+    Aabb, Answers, Bias, DepthSource, Filter, Frustum, Light, Maps, Setting, Settings, ShadowPlan,
+    View,
 };
 
 /// One light in one view, and what was chosen for its shadow.
@@ -25,10 +26,11 @@ pub struct Frame<'a> {
     pub depth: Option<&'a dyn DepthSource>,
     /// The filter of the maps, where it lets that be chosen.
     pub filter: Option<&'a dyn Filter>,
-    /// The least and the greatest view depth that a pixel sees, metres, where the method
-    /// [wants them](crate::ShadowMethod::wants_seen_depths); the first is greater than the second where none sees
-    /// anything.
-    pub seen: Option<[f64; 2]>,
+    /// Pixels across and down the camera's depth, which passes may read ([`Reads::CAMERA_DEPTH`](crate::Reads::CAMERA_DEPTH));
+    /// none where the engine has none to give.
+    pub camera_depth: Option<[u32; 2]>,
+    /// Answers to the [questions](ShadowPlan::asks) of earlier plans.
+    pub answers: &'a Answers,
 }
 
 /// Bounds of what may cast and what may receive, world space.
@@ -38,6 +40,8 @@ pub struct Casters<'a> {
     pub casters: &'a [Aabb],
     /// Objects that may be seen in the light.
     pub receivers: &'a [Aabb],
+    /// Whether one of the receivers is air, which the camera's depth does not show.
+    pub air: bool,
 }
 
 /// A frame's boxes relative to the camera: world axes, metres from [`View::position`].
@@ -117,7 +121,9 @@ impl<'a> Frame<'a> {
     /// The boxes, relative to the camera.
     pub fn bounds(&self) -> Bounds {
         let origin = self.view.position;
-        let Casters { casters, receivers } = self.casters;
+        let Casters {
+            casters, receivers, ..
+        } = self.casters;
         let lit = receivers.iter().filter(|r| self.light.reaches(r));
         Bounds {
             origin,

@@ -39,7 +39,7 @@
 //! ```
 //! use glam::DVec3;
 //! use umbrage_shadow::*;
-//! use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
+//! use wgpu_types::{FilterMode, TextureFormat};
 //!
 //! struct Whole;
 //!
@@ -76,26 +76,26 @@
 //!         let near = places().map(|(_, z)| z).fold(f64::INFINITY, f64::min) - 1.0;
 //!         let far = places().map(|(_, z)| z).fold(f64::NEG_INFINITY, f64::max) + 1.0;
 //!         let view_proj = lens.matrix(&rect, near, far).as_mat4();
+//!         // Lenses' matrices give reversed depth.
+//!         let order = DepthOrder::Reversed;
 //!         Ok(ShadowPlan {
 //!             textures: vec![TextureDesc {
-//!                 name: "whole_map".into(),
-//!                 format: TextureFormat::Depth32Float,
-//!                 width: 1024,
-//!                 height: 1024,
-//!                 shape: TextureShape::D2,
+//!                 empty: order.empty(),
+//!                 ..TextureDesc::d2("whole_map", TextureFormat::Depth32Float, [1024; 2])
 //!             }],
 //!             samplers: vec![SamplerDesc {
 //!                 name: "whole_sampler".into(),
 //!                 filter: FilterMode::Linear,
-//!                 compare: Some(CompareFunction::GreaterEqual),
+//!                 compare: Some(order.nearer()),
 //!             }],
 //!             passes: vec![Pass::Casters(CasterPass {
 //!                 shader: "caster".into(),
-//!                 depth: Some(DepthTarget::nearest("whole_map")),
-//!                 color: None,
+//!                 depth: Some(order.nearest("whole_map".into(), true)),
+//!                 colors: Vec::new(),
 //!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
 //!                 cull: None,
 //!                 view_proj,
+//!                 constants: Constants::new(),
 //!                 casters: (0..frame.casters.casters.len()).collect(),
 //!                 receivers: None,
 //!             })],
@@ -137,6 +137,7 @@
 //! compute or full-screen passes; perspective and light-space perspective maps are another `view_proj`
 //! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
 
+mod answers;
 mod atlas;
 mod bias;
 mod bounds;
@@ -155,6 +156,7 @@ mod settings;
 mod splits;
 mod view;
 
+pub use answers::Answers;
 pub use atlas::Atlas;
 pub use bias::Bias;
 pub use bounds::{Aabb, Frustum};
@@ -164,13 +166,13 @@ pub use fit::overlap;
 pub use frame::{Bounds, Casters, Frame, PlanError};
 pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
-pub use maps::{Map, MapRange, Maps};
+pub use maps::{DepthOrder, Map, MapRange, Maps};
 pub use number::plain_number;
 pub use part::{DepthSource, Filter, Part, ShadowMethod, Support};
 pub use plan::{
-    Blend, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget, MAX_REGIONS,
-    Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan, TextureDesc, TextureShape,
-    Viewport,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget,
+    MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan,
+    Slice, Source, TextureDesc, TextureShape, Viewport, Workgroups,
 };
 pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

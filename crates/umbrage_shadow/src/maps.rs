@@ -4,13 +4,52 @@ use glam::DMat4;
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
-    Bias, CasterPass, Constants, DepthTarget, Extent, Lens, Pass, Reads, SamplerDesc, ScreenPass,
-    ShadowPlan, TextureDesc, TextureShape, Viewport,
+    Bias, CasterPass, Constants, DepthTarget, Extent, Lens, Pass, PlanError, Reads, SamplerDesc,
+    ScreenPass, ShadowPlan, Slice, TextureDesc, TextureShape, Viewport,
 };
+
+/// Which of two depths is the nearer one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthOrder {
+    /// The larger one: 1 near, 0 far and empty. With f32 it keeps a light's precision over a ratio of 1e5.
+    #[default]
+    Reversed,
+    /// The smaller one: 0 near, 1 far and empty.
+    Forward,
+}
+
+impl DepthOrder {
+    /// The depth where nothing is: the farthest.
+    pub fn empty(self) -> f32 {
+        match self {
+            Self::Reversed => 0.0,
+            Self::Forward => 1.0,
+        }
+    }
+
+    /// Holds for a depth that is as near as another, or nearer. A caster is kept by it, and a receiver lit.
+    pub fn nearer(self) -> CompareFunction {
+        match self {
+            Self::Reversed => CompareFunction::GreaterEqual,
+            Self::Forward => CompareFunction::LessEqual,
+        }
+    }
+
+    /// The slice `target` of a depth texture, of which the nearest is kept; it `clears` what is there.
+    pub fn nearest(self, target: Slice, clears: bool) -> DepthTarget {
+        DepthTarget {
+            target,
+            clears,
+            compare: self.nearer(),
+        }
+    }
+}
 
 /// A light's shadow maps, in one texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps {
+    /// Which of their depths is the nearer one.
+    pub order: DepthOrder,
     /// The texture's shape: tiles of one rectangle, or a cube's faces.
     pub shape: TextureShape,
     /// Texels across and down the texture.
@@ -44,9 +83,9 @@ pub struct Map {
 /// The distances that a map's depths stand for: from the light along its axis, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRange {
-    /// The distance at depth 1.
+    /// The distance at the nearest depth.
     pub near: f64,
-    /// The distance at depth 0.
+    /// The distance at the farthest, empty depth.
     pub far: f64,
     /// Whether depth is linear in one over the distance, and not in the distance.
     pub perspective: bool,
@@ -67,7 +106,7 @@ impl MapRange {
         }
     }
 
-    /// The number that makes depths linear: a depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far,
+    /// The number that makes reversed depths linear: a depth z lies at the share (1 − z) / (1 + ratio · z) of the way from near to far,
     /// which is A + B / d solved for d. 0 without a perspective.
     pub fn ratio(&self) -> f64 {
         if self.perspective {
@@ -79,23 +118,19 @@ impl MapRange {
 }
 
 impl Map {
-    /// The pass that draws the nearest depths of this map into the depth texture `target`; it clears the whole layer where
-    /// it `clears`.
+    /// The pass that draws the nearest depths of this map, in this order, into the depth texture `target`; it clears the whole
+    /// layer where it `clears`.
     ///
     /// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform a mirror.
-    pub fn nearest(&self, target: &str, clears: bool) -> CasterPass {
-        let nearest = DepthTarget::nearest(target);
+    pub fn nearest(&self, target: &str, order: DepthOrder, clears: bool) -> CasterPass {
         CasterPass {
             shader: "caster".to_owned(),
-            depth: Some(DepthTarget {
-                layer: self.layer,
-                clear: nearest.clear.filter(|_| clears),
-                ..nearest
-            }),
-            color: None,
+            depth: Some(order.nearest(Slice::new(target, self.layer), clears)),
+            colors: Vec::new(),
             viewport: self.tile,
             cull: None,
             view_proj: self.view_proj.as_mat4(),
+            constants: Constants::new(),
             casters: self.casters.clone(),
             receivers: self.receivers,
         }
@@ -115,6 +150,7 @@ impl Maps {
     /// The least that a shader can bind, where there is no map.
     pub fn none(follows_plane: bool) -> Self {
         Self {
+            order: DepthOrder::default(),
             shape: TextureShape::D2,
             size: [1, 1],
             maps: Vec::new(),
@@ -122,12 +158,28 @@ impl Maps {
         }
     }
 
-    /// A texture as large as the maps' own.
+    /// A texture as large as the maps' own, and as empty.
     pub fn texture(&self, name: &str, format: TextureFormat) -> TextureDesc {
         TextureDesc {
             shape: self.shape,
+            empty: self.order.empty(),
             ..TextureDesc::d2(name, format, self.size)
         }
+    }
+
+    /// Checks that depths are reversed, for a part that knows no others.
+    ///
+    /// # Errors
+    /// They are not.
+    pub fn check_reversed(&self, part: &str) -> Result<(), PlanError> {
+        PlanError::check(
+            self.order == DepthOrder::Reversed,
+            "the order of the maps' depths",
+            format!("{:?}", self.order),
+            &format!(
+                "Reversed, as `{part}` knows no other; choose the depths `nearest` and the filter `pcf`"
+            ),
+        )
     }
 
     /// Texels along each map's side.
@@ -141,14 +193,14 @@ impl Maps {
         for (number, map) in self.maps.iter().enumerate() {
             let mut before = self.maps[..number].iter();
             let clears = before.all(|other| other.layer != map.layer);
-            let pass = map.nearest(target, clears);
+            let pass = map.nearest(target, self.order, clears);
             plan.passes.push(Pass::Casters(pass));
         }
     }
 }
 
 impl TextureDesc {
-    /// A texture of one rectangle.
+    /// A texture of one rectangle and one level, empty at 0.
     pub fn d2(name: &str, format: TextureFormat, [width, height]: [u32; 2]) -> Self {
         Self {
             name: name.to_owned(),
@@ -156,6 +208,8 @@ impl TextureDesc {
             width,
             height,
             shape: TextureShape::D2,
+            levels: 1,
+            empty: 0.0,
         }
     }
 }
@@ -170,12 +224,12 @@ impl SamplerDesc {
         }
     }
 
-    /// The sampler with which the hardware compares reversed depths, and blends four comparisons.
-    pub fn comparison() -> Self {
+    /// The sampler with which the hardware compares depths of this order, and blends four comparisons.
+    pub fn comparison(order: DepthOrder) -> Self {
         Self {
             name: Maps::SAMPLER.to_owned(),
             filter: FilterMode::Linear,
-            compare: Some(CompareFunction::GreaterEqual),
+            compare: Some(order.nearer()),
         }
     }
 }
@@ -185,7 +239,7 @@ impl ScreenPass {
     pub fn new(shader: &str, target: &str, viewport: Viewport, constants: Constants) -> Self {
         Self {
             shader: shader.to_owned(),
-            target: target.to_owned(),
+            targets: vec![target.into()],
             viewport,
             reads: Reads {
                 constants,

@@ -1,7 +1,5 @@
 //! The three kinds of part that make a shadow.
 
-use std::collections::BTreeMap;
-
 use crate::{Frame, Light, Maps, PlanError, Setting, ShadowPlan};
 
 /// A part that makes a shadow: what a scene may choose of it.
@@ -40,15 +38,9 @@ pub trait ShadowMethod: Part {
     /// when the scene is read and not in some later frame.
     fn supports(&self, light: &Light) -> Support;
 
-    /// Whether it plans by what each pixel sees, with these values of its axes: [`Frame::seen`]. To know it, the frame
-    /// is drawn up to its depths, and waited for.
-    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
-        let _ = axes;
-        false
-    }
-
     /// Textures, passes and constants for this frame. A pure function of `frame`: the same frame has the same plan, and
-    /// nothing is remembered between frames.
+    /// nothing is remembered between frames. What a method would know of the GPU it [asks](ShadowPlan::asks), and is told in
+    /// [`Frame::answers`].
     ///
     /// A plan leaves nothing undefined that its shader reads: each part of a texture is drawn or
     /// cleared by a pass of this plan, or the constants keep the shader away from it.

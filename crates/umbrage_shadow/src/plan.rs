@@ -17,12 +17,18 @@ pub struct ShadowPlan {
     pub samplers: Vec<SamplerDesc>,
     /// What textures hold that no pass draws into: uploaded before the passes.
     pub contents: Vec<Contents>,
-    /// The storage buffers that `calc_shadow` reads, by the name of the binding that reads each.
+    /// The storage buffers that its passes and `calc_shadow` use, by the name of the binding of each.
     pub buffers: Vec<BufferDesc>,
     /// What to draw, in order.
     pub passes: Vec<Pass>,
     /// The members of the uniform blocks that `calc_shadow` reads.
     pub constants: Constants,
+    /// The plan's question: names of buffers that its passes write. Where there are any, nothing is shaded by this plan; the
+    /// parts are asked again, with what the buffers held in [`Frame::answers`](crate::Frame::answers).
+    ///
+    /// A later plan repeats the passes whose outcome it goes on from: what they filled stands, and they are not run again.
+    /// [`MAX_QUESTIONS`] may follow each other.
+    pub asks: Vec<String>,
     /// What it takes beyond WebGPU's baseline.
     pub needs: Vec<Need>,
     /// Texture fetches that `calc_shadow` makes at the most for a pixel: the method's own promise,
@@ -54,6 +60,10 @@ impl ShadowPlan {
     }
 }
 
+/// The most questions that a shadow's plans may end in before one ends in none. Each costs a way to the GPU and back: resolution
+/// matched maps, the most curious method known, refine their list of pages in three.
+pub const MAX_QUESTIONS: usize = 4;
+
 /// The most [regions](ShadowPlan::regions) of a plan: for each of the most splits two.
 pub const MAX_REGIONS: usize = 2 * MAX_SPLITS;
 
@@ -80,6 +90,10 @@ pub struct TextureDesc {
     pub height: u32,
     /// Its shape as the shader sees it.
     pub shape: TextureShape,
+    /// Its mip levels, 1 at the least: each half as large as the one before.
+    pub levels: u32,
+    /// What each channel holds, or the depth, where nothing was drawn: what is drawn into is cleared to it first.
+    pub empty: f32,
 }
 
 /// A texture's shape as the shader sees it.
@@ -87,6 +101,8 @@ pub struct TextureDesc {
 pub enum TextureShape {
     /// One rectangle.
     D2,
+    /// So many rectangles, 1 at the least: layers.
+    Array(u32),
     /// Six faces: +x, −x, +y, −y, +z, −z, WebGPU's (left-handed) cube map.
     Cube,
 }
@@ -96,6 +112,7 @@ impl TextureShape {
     pub fn layers(self) -> u32 {
         match self {
             Self::D2 => 1,
+            Self::Array(layers) => layers,
             Self::Cube => 6,
         }
     }
@@ -123,14 +140,24 @@ pub struct Contents {
     pub bytes: Vec<u8>,
 }
 
-/// A storage buffer that a method owns and its shader only reads.
+/// A storage buffer that a method owns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BufferDesc {
-    /// The binding that reads it.
+    /// Its binding.
     pub name: String,
-    /// What it holds: for `array<T>` a [`Value::Array`] of one element at the least, laid out with the
-    /// stride that the linked shader gives it.
-    pub value: Value,
+    /// What it holds.
+    pub contents: BufferContents,
+}
+
+/// Contents of a storage buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BufferContents {
+    /// What the method computed, for shaders that only read it: for `array<T>` a [`Value::Array`] of one element at the
+    /// least, laid out with the stride that the linked shader gives it.
+    Value(Value),
+    /// So many bytes, a multiple of 4, that compute passes write and others read: the plan's first pass that writes it finds
+    /// zeros. Its shaders must lay it out alike.
+    Written(u64),
 }
 
 /// One pass of a plan.
@@ -155,25 +182,97 @@ impl Pass {
         }
     }
 
-    /// The names of the textures that it writes.
-    pub fn writes(&self) -> impl Iterator<Item = &str> {
-        let (two, many): ([Option<&String>; 2], &[String]) = match self {
+    /// What it reads; none of a pass of casters.
+    pub fn reads(&self) -> Option<&Reads> {
+        match self {
+            Self::Casters(_) => None,
+            Self::Screen(pass) => Some(&pass.reads),
+            Self::Compute(pass) => Some(&pass.reads),
+        }
+    }
+
+    /// The names of the textures and buffers that it writes.
+    pub fn writes(&self) -> Vec<&str> {
+        match self {
             Self::Casters(pass) => {
-                let depth = pass.depth.as_ref().map(|depth| &depth.texture);
-                let color = pass.color.as_ref().map(|color| &color.texture);
-                ([depth, color], &[])
+                let depth = pass.depth.iter().map(|depth| &depth.target);
+                let colors = pass.colors.iter().map(|color| &color.target);
+                depth
+                    .chain(colors)
+                    .map(|target| target.texture.as_str())
+                    .collect()
             }
-            Self::Screen(pass) => ([Some(&pass.target), None], &[]),
-            Self::Compute(pass) => ([None, None], &pass.writes),
-        };
-        two.into_iter()
-            .flatten()
-            .chain(many)
-            .map(|name| name.as_str())
+            Self::Screen(pass) => {
+                let targets = pass.targets.iter();
+                targets.map(|target| target.texture.as_str()).collect()
+            }
+            Self::Compute(pass) => pass.writes.iter().map(|part| part.name.as_str()).collect(),
+        }
     }
 }
 
-/// Casters drawn into a viewport of a depth texture, of a colour texture, or of both.
+/// One layer and one mip level of a texture: what a pass draws into.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Slice {
+    /// The texture's name.
+    pub texture: String,
+    /// The layer; of a cube, the face.
+    pub layer: u32,
+    /// The mip level, 0 the largest.
+    pub level: u32,
+}
+
+impl Slice {
+    /// Level 0 of a layer.
+    pub fn new(texture: impl Into<String>, layer: u32) -> Self {
+        Self {
+            texture: texture.into(),
+            layer,
+            level: 0,
+        }
+    }
+}
+
+impl From<&str> for Slice {
+    /// Layer 0, level 0.
+    fn from(texture: &str) -> Self {
+        Self::new(texture, 0)
+    }
+}
+
+/// What a binding of a pass reads or writes: a buffer, a texture, or a part of one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The buffer's or the texture's name.
+    pub name: String,
+    /// The one layer, or face, that is bound; none for all of them.
+    pub layer: Option<u32>,
+    /// The one mip level that is bound; none for all of them, where it is read, and for the largest where it is written.
+    pub level: Option<u32>,
+}
+
+impl Source {
+    /// One mip level of a texture, in all layers.
+    pub fn level(texture: &str, level: u32) -> Self {
+        Self {
+            level: Some(level),
+            ..texture.into()
+        }
+    }
+}
+
+impl From<&str> for Source {
+    /// All of it.
+    fn from(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            layer: None,
+            level: None,
+        }
+    }
+}
+
+/// Casters drawn into a viewport of a depth texture, of colour textures, or of both, which are all as large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasterPass {
     /// How each caster is drawn: a value of the shader library's axis `pass`, such as `caster`, which draws
@@ -181,14 +280,16 @@ pub struct CasterPass {
     pub shader: String,
     /// Where depth goes; none where nothing is compared with what is there.
     pub depth: Option<DepthTarget>,
-    /// Where colours go.
-    pub color: Option<ColorTarget>,
+    /// Where colours go, by the locations that the shader gives them.
+    pub colors: Vec<ColorTarget>,
     /// Where in the textures.
     pub viewport: Viewport,
     /// Which faces are left out. A cube's faces are mirrored: there, front and back change places.
     pub cull: Option<Face>,
-    /// World (camera-relative) to clip space.
+    /// World (camera-relative) to clip space: the member `view_proj` of the shader's block `frame`.
     pub view_proj: Mat4,
+    /// Members of `frame` and of further uniform blocks in its group.
+    pub constants: Constants,
     /// The casters to draw: indices into the frame's casters, ascending.
     pub casters: Vec<usize>,
     /// The view depths (metres along the way that the camera looks, nearest and farthest) of the
@@ -200,38 +301,22 @@ pub struct CasterPass {
 /// Where a pass's depth goes, and what of old and new depth is kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthTarget {
-    /// The name of a texture of depth alone.
-    pub texture: String,
-    /// The texture's layer; of a cube, its face.
-    pub layer: u32,
-    /// The depth that the layer is cleared to first; none keeps what it holds.
-    pub clear: Option<f32>,
-    /// How depths are compared. Reversed depth (1 near, 0 far) is cleared to 0 and keeps what is
-    /// `GreaterEqual`.
+    /// A slice of a texture of depth alone.
+    pub target: Slice,
+    /// Whether all of it is made [empty](TextureDesc::empty) first; else it keeps what it holds.
+    pub clears: bool,
+    /// How a new depth is compared with an old one.
     pub compare: CompareFunction,
-}
-
-impl DepthTarget {
-    /// Layer 0 of `texture`, cleared, of which the nearest is kept.
-    pub fn nearest(texture: impl Into<String>) -> Self {
-        Self {
-            texture: texture.into(),
-            layer: 0,
-            clear: Some(0.0),
-            compare: CompareFunction::GreaterEqual,
-        }
-    }
 }
 
 /// Where a pass's colours go.
 ///
-/// The plan's first pass into a texture clears all of its channels to 0, the farthest in reversed depth,
-/// whatever [`DepthTarget::clear`] says of the depth: later passes fill further channels, or further viewports.
+/// The plan's first pass into a slice makes all of it [empty](TextureDesc::empty), whatever [`DepthTarget::clears`] says of the
+/// depth: later passes fill further channels, or further viewports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorTarget {
-    /// The name of a texture of one rectangle, as large as the pass's depth texture where it has one,
-    /// in a format of floats.
-    pub texture: String,
+    /// A slice of a texture in a format of floats.
+    pub target: Slice,
     /// The channels to write; the others keep what they hold.
     pub channels: ColorWrites,
     /// What is kept.
@@ -244,7 +329,7 @@ pub enum Blend {
     /// The new one.
     #[default]
     Replace,
-    /// In each channel the larger one: of reversed depth, the nearest. A texture of 32 bits a channel asks for the
+    /// In each channel the larger one: of [reversed](crate::DepthOrder) depth, the nearest. A texture of 32 bits a channel asks for the
     /// feature `float32-blendable`: say so in [`ShadowPlan::needs`].
     Max,
 }
@@ -254,37 +339,66 @@ pub enum Blend {
 pub struct ScreenPass {
     /// What is computed: a value of the shader library's axis `pass`.
     pub shader: String,
-    /// The name of the texture to fill, of one rectangle. One of depth takes what the shader gives as its
-    /// fragment's depth. The plan's first pass into it clears it to 0.
-    pub target: String,
-    /// Where in it.
+    /// What it fills, all as large: textures of floats by the locations that the shader gives their colours, and at most one
+    /// of depth, which takes the fragment's depth. The plan's first pass into each makes it [empty](TextureDesc::empty).
+    pub targets: Vec<Slice>,
+    /// Where in them.
     pub viewport: Viewport,
     /// What the shader reads.
     pub reads: Reads,
 }
 
-/// A compute shader that reads some of the plan's textures and writes others.
+/// A compute shader that reads some of the plan's textures and buffers and writes others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComputePass {
     /// What is computed: a value of the shader library's axis `pass`.
     pub shader: String,
-    /// Workgroups across, down and deep.
-    pub workgroups: [u32; 3],
-    /// The names of the textures that it writes: of one rectangle, in a format that WebGPU's baseline can store to.
-    pub writes: Vec<String>,
+    /// How many workgroups are run.
+    pub workgroups: Workgroups,
+    /// What it writes: textures of rectangles, in a format that WebGPU's baseline can store to, and
+    /// [written](BufferContents::Written) buffers.
+    pub writes: Vec<Source>,
     /// What the shader reads.
     pub reads: Reads,
 }
 
+/// How many workgroups a compute pass runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Workgroups {
+    /// So many across, down and deep.
+    Count([u32; 3]),
+    /// As many as a buffer says that an earlier pass wrote: three words from byte `offset` on, a multiple of 4. More than the
+    /// device allows are none.
+    Indirect {
+        /// The buffer's name.
+        buffer: String,
+        /// Where the words begin, bytes.
+        offset: u64,
+    },
+}
+
+impl From<[u32; 3]> for Workgroups {
+    fn from(count: [u32; 3]) -> Self {
+        Self::Count(count)
+    }
+}
+
 /// What the shader of a pass reads beside the plan's textures, samplers and buffers, which have the names of
-/// the bindings that read them.
+/// the bindings that read them, and the camera's depth, which is the texture [`Reads::CAMERA_DEPTH`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reads {
-    /// Bindings that go by another name than the texture that they read or write: binding, texture. So that one
-    /// shader may work from a first texture into a second, and then from there into a third.
-    pub renamed: Vec<(String, String)>,
+    /// Bindings that go by another name than the texture or buffer that they read or write, or that have a part of a texture.
+    /// So that one shader may work from a first texture into a second, and then from there into a third; or from level to
+    /// level of one.
+    pub renamed: Vec<(String, Source)>,
     /// The members of the pass's own uniform blocks.
     pub constants: Constants,
+}
+
+impl Reads {
+    /// The binding of the camera's depth, a `texture_depth_2d` as large as [`Frame::camera_depth`](crate::Frame::camera_depth)
+    /// says: reversed, 0 where nothing is seen; [`Projection::view_depth`](crate::Projection::view_depth) makes it linear.
+    pub const CAMERA_DEPTH: &str = "camera_depth";
 }
 
 /// What a plan asks of the device beyond WebGPU's baseline.

@@ -231,6 +231,27 @@ impl Projection {
         DVec2::new(height * self.aspect, height)
     }
 
+    /// What makes depths of clip space linear: x + y · depth is one over the view depth, or the view depth itself (metres)
+    /// where rays are parallel.
+    pub fn depth_terms(&self) -> [f64; 2] {
+        // At depth 0 and at depth 1.
+        let [far, near] = match self.field {
+            Field::Perspective { .. } => [1.0 / self.far, 1.0 / self.near],
+            Field::Orthographic { .. } => [self.far, self.near],
+        };
+        [far, near - far]
+    }
+
+    /// The view depth (metres) of a depth of clip space, 1 at `near` to 0 at `far`.
+    pub fn view_depth(&self, depth: f64) -> f64 {
+        let [x, y] = self.depth_terms();
+        let linear = x + y * depth;
+        match self.field {
+            Field::Perspective { .. } => 1.0 / linear,
+            Field::Orthographic { .. } => linear,
+        }
+    }
+
     /// From the view's axes to clip space.
     pub fn matrix(&self) -> DMat4 {
         let Self {
@@ -290,6 +311,24 @@ mod tests {
                 far,
             },
             eye: 0.0,
+        }
+    }
+
+    /// A depth of clip space leads back to the view depth that it came from.
+    #[test]
+    fn depths_lead_back() {
+        let fields = [
+            Field::Perspective { fov_y: 0.9 },
+            Field::Orthographic { height: 5.0 },
+        ];
+        for field in fields {
+            let view = view(field, [0.1, 300.0], 0.7);
+            for depth in [0.1, 0.5, 20.0, 299.0, 300.0] {
+                let point = view.rotation * DVec3::new(0.03, -0.02, -depth);
+                let clip = view.view_proj_relative().project_point3(point);
+                let found = view.projection.view_depth(clip.z);
+                assert!((found / depth - 1.0).abs() < 1e-9, "{found} for {depth}");
+            }
         }
     }
 

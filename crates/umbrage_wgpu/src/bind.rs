@@ -111,6 +111,9 @@ impl ShadowResources {
         binding: &Binding,
     ) -> Result<Option<Resource>, Error> {
         let name = binding.name.as_str();
+        if let Some(buffer) = self.written.get(name) {
+            return Ok(Some(Resource::Buffer(buffer.clone())));
+        }
         if let Some(value) = self.buffers.get(name) {
             return Resource::storage(gpu, key, binding, value).map(Some);
         }

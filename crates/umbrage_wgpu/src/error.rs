@@ -3,6 +3,8 @@ use std::error::Error as StdError;
 use umbrage_compose::{Binding, Key};
 use umbrage_shadow::PlanError;
 
+use crate::Job;
+
 /// Why a shadow could not be had.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -21,6 +23,19 @@ pub enum Error {
         /// Why.
         source: PlanError,
     },
+    /// A part panicked.
+    #[error(
+        "light `{light}`: {parts} panicked while it planned: {said}; this is a fault of its parts: mend them, or choose \
+         others"
+    )]
+    Panicked {
+        /// The light.
+        light: String,
+        /// The method, with the depth source and the filter that it lets be chosen.
+        parts: String,
+        /// The panic's words.
+        said: String,
+    },
     /// A part needs what the device does not have.
     #[error(
         "light `{light}`, method `{method}`: what is chosen needs {features}, which the device does not have; choose \
@@ -38,13 +53,29 @@ pub enum Error {
     },
     /// A plan asks for what cannot be done: a part is at fault.
     #[error(
-        "method `{method}` plans what cannot be drawn: {problem}; this is a fault of the method"
+        "light `{light}`: method `{method}` plans what cannot be done: {problem}; this is a fault of the method: mend it, \
+         or choose another"
     )]
     BadPlan {
+        /// The light.
+        light: String,
         /// The method.
         method: String,
         /// The fault.
         problem: String,
+    },
+    /// A pass reads the camera's depth, and the job gives none.
+    #[error(
+        "light `{light}`, method `{method}`: the pass `{pass}` reads the camera's depth, which is not given; give it \
+         (`Job::camera_depth`), or have the frame say that there is none (`Frame::camera_depth`)"
+    )]
+    NoDepth {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// The pass.
+        pass: String,
     },
     /// A permutation reads what nobody gives it.
     #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]
@@ -57,6 +88,16 @@ pub enum Error {
         module: String,
         /// The fault.
         problem: String,
+    },
+    /// A pass reads what its plan does not give it.
+    #[error("light `{light}`, method `{method}`: a pass of its plan: {source}")]
+    Pass {
+        /// The light.
+        light: String,
+        /// The method.
+        method: String,
+        /// Why.
+        source: Box<Error>,
     },
     /// The engine could not draw its casters.
     #[error("light `{light}`: its casters cannot be drawn: {source}")]
@@ -81,6 +122,19 @@ pub struct TooLarge {
 }
 
 impl Error {
+    /// The same, of a pass of the job's plan.
+    pub(crate) fn in_pass(self, job: &Job<'_>) -> Self {
+        match self {
+            Self::Binding { .. } => Self::Pass {
+                light: job.name.to_owned(),
+                method: job.shadow.method().name().to_owned(),
+                source: Box::new(self),
+            },
+            // Its own words say what is wrong.
+            other => other,
+        }
+    }
+
     /// A fault of a permutation's binding.
     pub fn binding(key: &Key, binding: &Binding, problem: impl ToString) -> Self {
         Self::Binding {

@@ -2,20 +2,22 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
 
-use umbrage_compose::{BindingKind, Composed, Composer, Permutation, ProjectedKey};
+use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Viewport,
+    BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Part,
+    Pass, Reads, ScreenPass, ShadowPlan, Source, Viewport, Workgroups,
 };
 
 use crate::{
-    CheckedShadow, ColorState, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity,
-    Pipeline, Program, ShadowResources, Times, Unfiltered, bind,
-    record::{self, Memory, Record},
+    CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
+    Program, Question, ShadowResources, Times, Unfiltered, bind,
+    record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
-    targets::{attachment, check_regions, depth_attachment, is_depth, is_floats},
+    targets::{Targets, attachment, bad_plan, check_regions, depth_attachment, source},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -40,6 +42,18 @@ pub struct Job<'a> {
     pub choices: &'a [(&'a str, &'a str)],
     /// Members of the uniform block `light`, where passes read one.
     pub constants: &'a Constants,
+    /// The camera's depth, where there is one. The frame tells how large it is.
+    pub camera_depth: Option<CameraDepth<'a>>,
+}
+
+/// The camera's depth, for passes that plan by what is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraDepth<'a> {
+    /// A view of depth alone, of one sample, to bind: reversed, 0 where nothing is seen. When the passes are run, it is
+    /// filled.
+    pub view: &'a wgpu::TextureView,
+    /// Its state: another whenever it may hold something else.
+    pub revision: u64,
 }
 
 /// A plan, executed.
@@ -50,6 +64,8 @@ pub struct Executed {
     pub plan: ShadowPlan,
     /// In the order of the plan's passes.
     pub runs: Vec<Run>,
+    /// The question that the plan ends in: then the light has no shadow yet, and is to be asked for again with the answer.
+    pub question: Option<Question>,
 }
 
 /// Outcome of a pass.
@@ -147,25 +163,25 @@ impl Executor {
     /// The light's shadow: its parts plan, and what does not stand yet of their plan is recorded into `encoder`.
     ///
     /// # Errors
-    /// Refusals of the parts, a plan that cannot be executed, faults of shaders, and errors of `host`. The light is
-    /// forgotten then; what was recorded for it does no harm.
+    /// Refusals of the parts, a plan that cannot be executed, faults of shaders, and errors of `host`. What was recorded for
+    /// the light does no harm then, and is drawn anew the next time.
     pub fn shadow(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
+        let plan = plan(job)?;
+        check_numbers(job, &plan)?;
+        check_regions(job, &plan.regions)?;
+        check_question(job, &plan)?;
+        resources::check_names(job, &plan)?;
+        self.check_needs(job, &plan)?;
+        let shaders = self.shaders(job, &plan, host)?;
         // Put back once all is recorded.
         let memory = self.lights.remove(&job.light).unwrap_or_default();
-        let plan = job.shadow.method().plan(job.frame);
-        let plan = plan.map_err(|source| Error::Plan {
-            light: job.name.to_owned(),
-            source,
-        })?;
-        check_regions(job.shadow, &plan.regions)?;
-        self.check_needs(job, &plan)?;
         let mut execution = Execution::new(&mut self.shared, job, memory, &plan)?;
-        let runs = execution.run(encoder, &plan, host)?;
+        let runs = execution.run(encoder, &plan, shaders, host)?;
         let Execution {
             memory,
             mut resources,
@@ -173,12 +189,45 @@ impl Executor {
         } = execution;
         resources.constants = plan.constants.clone();
         resources.regions = plan.regions.clone();
+        let (device, answers) = (&self.shared.device, job.frame.answers);
+        let question = Question::record(device, encoder, &plan, &memory.buffers, answers);
         self.lights.insert(job.light, memory);
         Ok(Executed {
             resources,
             plan,
             runs,
+            question,
         })
+    }
+
+    /// The shaders of the plan's passes that draw no caster.
+    fn shaders(
+        &self,
+        job: &Job<'_>,
+        plan: &ShadowPlan,
+        host: &mut dyn Host,
+    ) -> Result<Vec<Option<Composed>>, Error> {
+        let own: Vec<_> = job.shadow.choices(job.frame.light).collect();
+        let all = job.choices.iter().chain(&own).copied();
+        let shader = |pass: &Pass| {
+            if matches!(pass, Pass::Casters(_)) {
+                return Ok(None);
+            }
+            let choices = all.clone().chain([("pass", pass.shader())]);
+            let composed = self.shared.compose(choices)?;
+            host.composed(pass.shader(), &composed);
+            let bindings = &composed.permutation.reflection.bindings;
+            let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
+            if job.camera_depth.is_none() && reads(Reads::CAMERA_DEPTH) {
+                return Err(Error::NoDepth {
+                    light: job.name.to_owned(),
+                    method: job.shadow.method().name().to_owned(),
+                    pass: pass.shader().to_owned(),
+                });
+            }
+            Ok(Some(composed))
+        };
+        plan.passes.iter().map(shader).collect()
     }
 
     /// Lets go of all that was made for the lights that `is_kept` does not hold for.
@@ -262,20 +311,15 @@ pub(crate) struct Execution<'a> {
     pub(crate) shared: &'a mut Shared,
     pub(crate) job: &'a Job<'a>,
     pub(crate) memory: Memory,
-    resources: ShadowResources,
-    /// Textures that hold nothing yet, or were uploaded anew.
+    pub(crate) resources: ShadowResources,
+    /// Textures and buffers that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
-    /// Values of axes for passes without casters.
-    choices: Vec<(&'a str, &'a str)>,
-    /// Colour textures that a pass has filled in part, or whole: only the first one into a texture clears it.
-    filled: BTreeSet<String>,
+    /// Where a pass has written, depths apart: only the first one into each place clears it.
+    pub(crate) filled: BTreeSet<Place>,
 }
 
 /// Where a pass is recorded, and where its times are noted.
 type Recording<'a> = (&'a mut wgpu::CommandEncoder, Option<&'a Times>);
-
-/// A pass that is to be run, and its shader where it draws no caster.
-type Ready = (Record, Option<Composed>);
 
 impl<'a> Execution<'a> {
     fn new(
@@ -284,14 +328,17 @@ impl<'a> Execution<'a> {
         mut memory: Memory,
         plan: &ShadowPlan,
     ) -> Result<Self, Error> {
-        memory.let_go(plan);
-        let (textures, mut new) = resources::textures(
-            &shared.device,
-            &memory.textures,
-            job.shadow,
-            (job.name, plan),
-        )?;
-        memory.textures = textures;
+        // What is shaded by a later plan may stand.
+        if plan.asks.is_empty() {
+            memory.let_go(plan);
+        }
+        let device = &shared.device;
+        let (textures, mut new) = resources::textures(device, &memory.textures, job, plan)?;
+        let (buffers, new_buffers) = resources::buffers(device, &memory.buffers, job, plan)?;
+        memory.textures.extend(textures);
+        memory.buffers.extend(buffers);
+        new.extend(new_buffers);
+        memory.drawn.retain(|(name, ..), _| !new.contains(name));
         memory.contents.retain(|name, _| !new.contains(name));
         for contents in &plan.contents {
             if memory.contents.get(&contents.texture) == Some(&contents.bytes) {
@@ -304,17 +351,15 @@ impl<'a> Execution<'a> {
             new.insert(name.clone());
             memory.contents.insert(name, bytes);
         }
-        let mut resources = resources::resources(&shared.device, plan, &memory.textures);
+        let kept = (&memory.textures, &memory.buffers);
+        let mut resources = resources::resources(device, plan, kept);
         resources.light = job.constants.clone();
-        let own = job.shadow.choices(job.frame.light);
-        let choices = job.choices.iter().copied().chain(own).collect();
         Ok(Self {
             shared,
             job,
             memory,
             resources,
             new,
-            choices,
             filled: BTreeSet::new(),
         })
     }
@@ -323,18 +368,17 @@ impl<'a> Execution<'a> {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         plan: &ShadowPlan,
+        shaders: Vec<Option<Composed>>,
         host: &mut dyn Host,
     ) -> Result<Vec<Run>, Error> {
-        let passes = plan.passes.iter();
-        let ready = passes.map(|pass| self.ready(pass, plan, host));
-        let ready = ready.collect::<Result<Vec<Ready>, Error>>()?;
-        let reads: Vec<_> = ready.iter().map(reads).collect();
-        let records: Vec<_> = ready.iter().map(|(record, _)| record.clone()).collect();
-        let wanted = record::by_layer(&records);
-        let drawn = std::mem::take(&mut self.memory.drawn);
-        let stale = record::stale(plan, (&wanted, &drawn), &reads, &self.new);
+        let passes = plan.passes.iter().zip(&shaders);
+        let ready = passes.map(|(pass, shader)| self.ready(pass, shader.as_ref(), plan));
+        let ready = ready.collect::<Result<Vec<_>, Error>>()?;
+        self.check_reads(plan, ready.iter().map(|(_, touches)| touches))?;
+        let wanted = record::by_place(&ready);
+        let stale = record::stale(&ready, (&wanted, &self.memory.drawn), &self.new);
         let mut runs = Vec::with_capacity(stale.len());
-        for ((pass, (_, composed)), stale) in plan.passes.iter().zip(&ready).zip(stale) {
+        for ((pass, composed), stale) in plan.passes.iter().zip(&shaders).zip(stale) {
             runs.push(if stale { Run::Recorded } else { Run::Kept });
             if !stale {
                 continue;
@@ -352,13 +396,17 @@ impl<'a> Execution<'a> {
                 _ => return Err(self.bad("a pass of a kind that is not known here")),
             }
         }
-        self.memory.drawn = wanted;
+        self.memory.drawn.extend(wanted);
         Ok(runs)
     }
 
-    /// All that `pass` depends on, and its shader where it draws no caster. Faults are told before anything is recorded, as far
-    /// as they can be.
-    fn ready(&self, pass: &Pass, plan: &ShadowPlan, host: &mut dyn Host) -> Result<Ready, Error> {
+    /// All that `pass` depends on, and what it touches. Faults are told before anything is recorded, as far as they can be.
+    fn ready(
+        &self,
+        pass: &Pass,
+        composed: Option<&Composed>,
+        plan: &ShadowPlan,
+    ) -> Result<(Record, Touches), Error> {
         let mut record = Record {
             pass: pass.clone(),
             origin: self.job.frame.view.position,
@@ -367,7 +415,7 @@ impl<'a> Execution<'a> {
             shader: None,
         };
         if let Pass::Casters(pass) = pass {
-            if pass.depth.is_none() && pass.color.is_none() {
+            if pass.depth.is_none() && pass.colors.is_empty() {
                 return Err(self.bad("casters into no texture"));
             }
             if !pass.view_proj.is_finite() {
@@ -383,23 +431,42 @@ impl<'a> Execution<'a> {
             record.choices = choices
                 .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
                 .collect();
-            return Ok((record, None));
         }
-        let choices = [("pass", pass.shader())];
-        let choices = self.choices.iter().copied().chain(choices);
-        let composed = self.shared.compose(choices)?;
-        host.composed(pass.shader(), &composed);
-        if let Pass::Compute(pass) = pass {
-            // One that writes nothing is never run.
-            self.check_compute(pass, &composed.permutation)?;
+        if let Pass::Screen(pass) = pass
+            && pass.targets.is_empty()
+        {
+            return Err(self.bad("a full-screen pass into no texture"));
         }
-        record.shader = Some((
-            composed.permutation.key.clone(),
-            self.job.constants.clone(),
-            plan.samplers.clone(),
-            plan.buffers.clone(),
-        ));
-        Ok((record, Some(composed)))
+        let permutation = composed.map(|composed| &*composed.permutation);
+        let touches = self.touches(pass, permutation)?;
+        if let Some(permutation) = permutation {
+            record.shader = Some(self.shader(pass, permutation, plan));
+        }
+        Ok((record, touches))
+    }
+
+    /// What the shader of `pass` depends on, textures and buffers that passes fill apart.
+    fn shader(&self, pass: &Pass, permutation: &Permutation, plan: &ShadowPlan) -> Shader {
+        let bindings = &permutation.reflection.bindings;
+        let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
+        let renamed = pass.reads().map_or(&[][..], |reads| &reads.renamed);
+        let stored = |desc: &&BufferDesc| {
+            let mut sources = bindings
+                .iter()
+                .map(|binding| source(renamed, &binding.name));
+            sources.any(|source| source.name == desc.name)
+        };
+        let depth = self.job.camera_depth.filter(|_| reads(Reads::CAMERA_DEPTH));
+        Shader {
+            key: permutation.key.clone(),
+            light: self.job.constants.clone(),
+            samplers: (plan.samplers.iter())
+                .filter(|desc| reads(&desc.name))
+                .cloned()
+                .collect(),
+            buffers: plan.buffers.iter().filter(stored).cloned().collect(),
+            camera_depth: depth.map(|depth| depth.revision),
+        }
     }
 
     fn draw_casters(
@@ -408,21 +475,11 @@ impl<'a> Execution<'a> {
         pass: &CasterPass,
         host: &mut dyn Host,
     ) -> Result<(), Error> {
-        let depth = match &pass.depth {
-            Some(target) => Some((target, self.depth_target(target, &pass.viewport)?)),
-            None => None,
-        };
-        let color = match &pass.color {
-            Some(target) => {
-                let size = depth.as_ref().map(|(_, (desc, _))| desc);
-                let found = self.color_target(target, size, &pass.viewport)?;
-                Some((found, self.filled.insert(target.texture.clone())))
-            }
-            None => None,
-        };
+        let targets = self.caster_targets(pass)?;
+        let (depth, colors) = (&targets.depth, &targets.colors);
         let state = DrawState {
-            color: color.as_ref().map(|((state, _), _)| *state),
-            depth: depth.as_ref().map(|(_, (desc, _))| desc.format),
+            colors: colors.iter().map(|color| color.state).collect(),
+            depth: depth.as_ref().map(|(format, ..)| *format),
             compare: pass
                 .depth
                 .as_ref()
@@ -431,17 +488,11 @@ impl<'a> Execution<'a> {
             cull: pass.cull,
             ..DrawState::NOTHING
         };
-        let colors = color
-            .as_ref()
-            .map(|((_, view), clear)| attachment(view, *clear));
-        let depths = depth.as_ref().map(|(target, (_, view))| {
-            let load = target.clear.map_or(wgpu::LoadOp::Load, wgpu::LoadOp::Clear);
-            depth_attachment(view, load)
-        });
+        let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&pass.shader),
-            color_attachments: colors.as_slice(),
-            depth_stencil_attachment: depths,
+            color_attachments: &colors,
+            depth_stencil_attachment: depth.as_ref().map(depth_attachment),
             timestamp_writes: times.map(render_times),
             ..Default::default()
         });
@@ -455,13 +506,12 @@ impl<'a> Execution<'a> {
             shader: &pass.shader,
             choices: self.job.choices,
             state,
-            view_proj: pass.view_proj,
+            constants: (pass.constants.clone()).with("view_proj", pass.view_proj),
             groups: HashMap::new(),
         };
         host.draw(&casters, &mut draws)
             .map_err(|source| match source.downcast::<Error>() {
-                // Its own words say what is wrong.
-                Ok(own) => *own,
+                Ok(own) => own.in_pass(self.job),
                 Err(source) => Error::Casters {
                     light: self.job.name.to_owned(),
                     source,
@@ -475,41 +525,22 @@ impl<'a> Execution<'a> {
         pass: &ScreenPass,
         composed: &Composed,
     ) -> Result<(), Error> {
-        let (desc, texture) = self.target(&pass.target)?;
-        self.check_viewport(&pass.viewport, &desc)?;
-        let deep = is_depth(desc.format);
-        if !deep && !is_floats(&desc) {
-            let problem = format!(
-                "what is computed into `{}`, which is not one rectangle of floats or of depth ({:?})",
-                desc.name, desc.format
-            );
-            return Err(self.bad(&problem));
-        }
-        let given = self.resources.given_to(&pass.reads);
+        let Targets { depth, colors } = self.screen_targets(pass)?;
+        let given = self.given_to(&pass.reads, &composed.permutation)?;
         let state = DrawState {
-            color: (!deep).then_some(ColorState {
-                format: desc.format,
-                blend: None,
-                channels: wgpu::ColorWrites::ALL,
-            }),
-            depth: deep.then_some(desc.format),
-            write_depth: deep,
+            colors: colors.iter().map(|color| color.state).collect(),
+            depth: depth.as_ref().map(|(format, ..)| *format),
+            write_depth: depth.is_some(),
             unfiltered: unfiltered(&[&given]),
             ..DrawState::NOTHING
         };
         let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
         let groups = self.groups(&pipeline.program, &given)?;
-        let view = texture.create_view(&Default::default());
-        let clear = self.filled.insert(pass.target.clone());
-        let load = match clear {
-            true => wgpu::LoadOp::Clear(0.0),
-            false => wgpu::LoadOp::Load,
-        };
-        let colors = [(!deep).then(|| attachment(&view, clear)).flatten()];
+        let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&pass.shader),
-            color_attachments: if deep { &[] } else { &colors },
-            depth_stencil_attachment: deep.then(|| depth_attachment(&view, load)),
+            color_attachments: &colors,
+            depth_stencil_attachment: depth.as_ref().map(depth_attachment),
             timestamp_writes: times.map(render_times),
             ..Default::default()
         });
@@ -526,7 +557,14 @@ impl<'a> Execution<'a> {
         pass: &ComputePass,
         composed: &Composed,
     ) -> Result<(), Error> {
-        let given = self.resources.given_to(&pass.reads);
+        for Source { name, .. } in &pass.writes {
+            if let Some(buffer) = self.resources.written.get(name)
+                && self.filled.insert((name.clone(), 0, 0))
+            {
+                encoder.clear_buffer(buffer, 0, None);
+            }
+        }
+        let given = self.given_to(&pass.reads, &composed.permutation)?;
         let unfiltered = unfiltered(&[&given]);
         let computation = self.shared.computation(&composed.permutation, unfiltered)?;
         let groups = self.groups(&computation.program, &given)?;
@@ -540,36 +578,84 @@ impl<'a> Execution<'a> {
         });
         recorded.set_pipeline(&computation.pipeline);
         groups.set_compute(&mut recorded);
-        let [x, y, z] = pass.workgroups;
-        recorded.dispatch_workgroups(x, y, z);
+        match &pass.workgroups {
+            Workgroups::Count([x, y, z]) => recorded.dispatch_workgroups(*x, *y, *z),
+            Workgroups::Indirect { buffer, offset } => {
+                if let Some(buffer) = self.resources.written.get(buffer) {
+                    recorded.dispatch_workgroups_indirect(buffer, *offset);
+                }
+            }
+        }
         Ok(())
     }
 
     /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        bind::groups(self.shared.gpu(), program, &[given], &[])
+        let groups = bind::groups(self.shared.gpu(), program, &[given], &[]);
+        groups.map_err(|error| error.in_pass(self.job))
     }
 }
 
-/// The textures that a pass without casters reads.
-fn reads((record, composed): &Ready) -> BTreeSet<String> {
-    let reads = match &record.pass {
-        Pass::Screen(pass) => &pass.reads,
-        Pass::Compute(pass) => &pass.reads,
-        _ => return BTreeSet::new(),
-    };
-    let reflection = composed.iter().map(|c| &c.permutation.reflection);
-    let bindings = reflection.flat_map(|reflection| &reflection.bindings);
-    let textures = bindings.filter(|b| matches!(b.kind, BindingKind::Texture { .. }));
-    textures
-        .map(|binding| named(&reads.renamed, &binding.name).to_owned())
-        .collect()
+/// The plan of the job's parts. They are anybody's: one that panics is no reason for the engine to end.
+fn plan(job: &Job<'_>) -> Result<ShadowPlan, Error> {
+    let method = job.shadow.method();
+    // A part has no state to be left broken.
+    let planned = catch_unwind(AssertUnwindSafe(|| method.plan(job.frame)));
+    let light = job.name.to_owned();
+    let planned = planned.map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
+        let mut parts = format!("method `{}`", method.name());
+        for (kind, part) in [
+            ("depths", job.frame.depth.map(Part::name)),
+            ("filter", job.frame.filter.map(Part::name)),
+        ] {
+            parts.extend(part.map(|part| format!(" with {kind} `{part}`")));
+        }
+        Error::Panicked {
+            light: light.clone(),
+            parts,
+            said: said.unwrap_or("no words").to_owned(),
+        }
+    })?;
+    planned.map_err(|source| Error::Plan { light, source })
 }
 
-/// The texture that a pass has for a binding.
-pub(crate) fn named<'a>(renamed: &'a [(String, String)], binding: &'a str) -> &'a str {
-    let found = renamed.iter().find(|(from, _)| from == binding);
-    found.map_or(binding, |(_, texture)| texture)
+/// Whether what a plan tells of its filter and its reach are numbers.
+fn check_numbers(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+    let (radius, distance) = (plan.filter_radius, plan.shadow_distance);
+    let problem = if !(radius >= 0.0 && radius.is_finite()) {
+        format!("a filter's radius of {radius} texels")
+    } else if let Some(distance) = distance.filter(|distance| distance.is_nan()) {
+        format!("a shadow distance of {distance} m")
+    } else {
+        return Ok(());
+    };
+    Err(bad_plan(job, &problem))
+}
+
+/// Whether what a plan asks about are buffers that its passes write, and whether it asks too often.
+fn check_question(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+    let Some(first) = plan.asks.first() else {
+        return Ok(());
+    };
+    let written = |name: &String| {
+        let mut passes = plan.passes.iter().flat_map(Pass::writes);
+        let holds = |desc: &BufferDesc| {
+            desc.name == *name && matches!(desc.contents, BufferContents::Written(_))
+        };
+        plan.buffers.iter().any(holds) && passes.any(|written| written == name)
+    };
+    let problem = if let Some(name) = plan.asks.iter().find(|name| !written(name)) {
+        format!("a question about `{name}`, which is no buffer that its passes write")
+    } else if job.frame.answers.questions() >= MAX_QUESTIONS {
+        format!(
+            "one more question, about `{first}`, where {MAX_QUESTIONS} were answered: so many may follow each other"
+        )
+    } else {
+        return Ok(());
+    };
+    Err(bad_plan(job, &problem))
 }
 
 fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {

@@ -2,8 +2,7 @@
 
 use std::{collections::HashMap, error::Error as StdError, sync::Arc};
 
-use glam::Mat4;
-use umbrage_compose::Composed;
+use umbrage_compose::{BindingKind, Composed};
 use umbrage_shadow::{Constants, Pass};
 
 use crate::{DrawState, Error, Pipeline, Resource, execute::Shared, reads_facing, vertices_read};
@@ -58,7 +57,8 @@ pub struct Draws<'a, 'e> {
     pub(crate) shader: &'a str,
     pub(crate) choices: &'a [(&'a str, &'a str)],
     pub(crate) state: DrawState,
-    pub(crate) view_proj: Mat4,
+    /// Members of the pass's own blocks.
+    pub(crate) constants: Constants,
     /// The groups that hold the pass's own block, by pipeline.
     pub(crate) groups: HashMap<*const Pipeline, Vec<(u32, wgpu::BindGroup)>>,
 }
@@ -106,7 +106,7 @@ impl<'e> Draws<'_, 'e> {
         })
     }
 
-    /// Has the next draws use `pipeline`: sets it, and the group that holds the pass's block `frame`.
+    /// Has the next draws use `pipeline`: sets it, and the group that holds the pass's block `frame` and its further ones.
     ///
     /// # Errors
     /// A block with members that no pass of casters gives.
@@ -127,16 +127,15 @@ impl<'e> Draws<'_, 'e> {
         let program = &pipeline.program;
         let key = &program.permutation.key;
         let gpu = self.shared.gpu();
-        let constants = Constants::new().with("view_proj", self.view_proj);
         let mut groups = Vec::new();
         for group in 0..program.groups.len() {
             if program.bindings(group).all(|b| b.name != FRAME) {
                 continue;
             }
-            let bound = program.bind(gpu.0, group, |binding| match binding.name.as_str() {
-                FRAME => Resource::block(gpu, key, binding, &constants),
+            let bound = program.bind(gpu.0, group, |binding| match binding.kind {
+                BindingKind::Uniform(_) => Resource::block(gpu, key, binding, &self.constants),
                 _ => {
-                    let problem = "the shader reads it beside `frame`, but a pass of casters gives nothing else";
+                    let problem = "the shader reads it beside `frame`, but a pass of casters gives uniform blocks alone";
                     Err(Error::binding(key, binding, problem))
                 }
             })?;

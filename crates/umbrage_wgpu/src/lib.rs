@@ -6,8 +6,9 @@
 //! knows scenes, files, pictures or cameras, and nothing waits.
 //!
 //! # Maps that stand
-//! A texture is filled again only where that would change it: where one of the passes into it is described otherwise than
-//! the last time, draws other casters or casters of another [revision](Identity), or reads a texture that is filled again.
+//! A mip level of a layer of a texture, or a buffer, is filled again only where that would change it: where one of the
+//! passes into it is described otherwise than the last time, draws other casters or casters of another
+//! [revision](Identity), or reads what is filled again, or the camera's depth in another revision.
 //! So a frame in which nothing moved draws no map, whatever the method; no method knows.
 //!
 //! # Shaders of passes
@@ -16,11 +17,25 @@
 //!
 //! | pass | what its shader may read |
 //! | --- | --- |
-//! | casters | the uniform block `frame` with `view_proj` (world, relative to the camera, to clip space); all other groups, and vertices, are the engine's: ours are in `package::passes::caster` |
+//! | casters | the uniform block `frame` with `view_proj` (world, relative to the camera, to clip space), and further uniform blocks in its group, with the pass's constants; all other groups, and vertices, are the engine's: ours are in `package::passes::caster` |
 //! | full-screen, compute | textures, samplers and storage buffers of the plan, under the names that [`Reads`](umbrage_shadow::Reads) gives them; uniform blocks with its constants, and the block `light` |
 //! | the engine's own | textures, samplers, buffers and constants of the [`ShadowResources`] |
 //!
 //! A full-screen pass draws three vertices of one triangle, by their numbers. A compute pass stores to what it `writes`.
+//! Textures are bound whole, or by a [layer or a mip level](umbrage_shadow::Source). What a pass reads has contents, or an
+//! earlier pass filled it, and no pass reads what it writes. A pass without casters may also read the camera's depth, where the [job](Job::camera_depth) gives it.
+//!
+//! # Questions
+//! A plan may end in a question: what buffers hold that its passes write. The light has no shadow then, but
+//! [`Executed::question`]. The engine submits, maps [`Question::buffer`] for reading, hands the bytes to
+//! [`Question::answer`], and asks for the same light's shadow again, with the answers in
+//! [`Frame::answers`](umbrage_shadow::Frame::answers). When, is its choice:
+//!
+//! - *In the same frame*: it submits, waits, and asks again into another encoder. Several lights' questions go in one
+//!   submission.
+//! - *A frame later*: it asks twice in each frame, first without answers, which records the question of this frame, and then
+//!   with the answers of the frame before, where there are any, which gives a shadow. Nothing waits, and shadows are planned by
+//!   what was seen a frame ago. Passes that both plans have are run once.
 //!
 //! # An engine's own shaders
 //! An engine composes a permutation for a surface and a light's [choices](CheckedShadow::choices), or one for a surface and
@@ -37,6 +52,7 @@ mod execute;
 mod host;
 mod pack;
 mod program;
+mod question;
 mod record;
 mod resources;
 mod shadow;
@@ -44,12 +60,13 @@ mod targets;
 
 pub use bind::{Gpu, Groups, Resource, groups};
 pub use error::{Error, TooLarge};
-pub use execute::{Executed, Executor, Job, Run};
+pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
     ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED, Unfiltered,
     reads_facing, vertices_read,
 };
+pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};

@@ -12,8 +12,8 @@ pub type Unfiltered = BTreeSet<(usize, String)>;
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DrawState {
-    /// Where colours go; none where they are not written.
-    pub color: Option<ColorState>,
+    /// Where colours go, by location; none where they are not written.
+    pub colors: Vec<ColorState>,
     /// The format of the depths; none where there are none.
     pub depth: Option<wgpu::TextureFormat>,
     /// How depths are compared.
@@ -31,7 +31,7 @@ pub struct DrawState {
 impl DrawState {
     /// The state of a pass without targets.
     pub const NOTHING: Self = Self {
-        color: None,
+        colors: Vec::new(),
         depth: None,
         compare: wgpu::CompareFunction::Always,
         write_depth: false,
@@ -163,11 +163,14 @@ impl Pipeline {
         let module = &program.module;
         let entry = |stage| program.permutation.reflection.entry_point(stage);
         let buffers: Vec<_> = vertices.iter().cloned().map(Some).collect();
-        let targets = [state.color.map(|color| wgpu::ColorTargetState {
-            format: color.format,
-            blend: color.blend,
-            write_mask: color.channels,
-        })];
+        let targets = state.colors.iter().map(|color| {
+            Some(wgpu::ColorTargetState {
+                format: color.format,
+                blend: color.blend,
+                write_mask: color.channels,
+            })
+        });
+        let targets: Vec<_> = targets.collect();
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&program.permutation.key.to_string()),
             layout: Some(&program.layout),
@@ -194,7 +197,7 @@ impl Pipeline {
                 module,
                 entry_point: Some(&entry.name),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: if state.color.is_some() { &targets } else { &[] },
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,
@@ -286,7 +289,7 @@ fn group_layouts(
         let mut entries = Vec::new();
         for binding in bindings {
             let unfiltered = unfiltered.contains(&(binding.instance, binding.name.clone()));
-            let ty = binding_type(&binding.kind, unfiltered).ok_or_else(|| {
+            let ty = binding_type(binding, unfiltered).ok_or_else(|| {
                 let problem = "no pass has such a resource to give";
                 Error::binding(&permutation.key, binding, problem)
             })?;
@@ -317,18 +320,23 @@ fn visibility(stages: &[Stage]) -> wgpu::ShaderStages {
     })
 }
 
-/// The layout's word for a binding; none for what render passes do not bind.
-fn binding_type(kind: &BindingKind, unfiltered: bool) -> Option<wgpu::BindingType> {
+/// The layout's word for a binding; none for what passes do not bind.
+fn binding_type(binding: &Binding, unfiltered: bool) -> Option<wgpu::BindingType> {
     let buffer = |ty| wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    Some(match kind {
+    Some(match &binding.kind {
         BindingKind::Uniform(_) => buffer(wgpu::BufferBindingType::Uniform),
         BindingKind::Storage {
             read_only: true, ..
         } => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        BindingKind::Storage {
+            read_only: false, ..
+        } if binding.stages == [Stage::Compute] => {
+            buffer(wgpu::BufferBindingType::Storage { read_only: false })
+        }
         BindingKind::Texture {
             dimension,
             sample,

@@ -6,12 +6,15 @@ use glam::DVec3;
 use umbrage_compose::ProjectedKey;
 use umbrage_shadow::{BufferDesc, Constants, Pass, SamplerDesc, ShadowPlan};
 
-use crate::{Identity, resources::Textures};
+use crate::{
+    Identity,
+    resources::{Buffers, Textures},
+};
 
-/// A layer of a texture.
-pub(crate) type Layer = (String, u32);
+/// What is filled as a whole: a layer and a mip level of a texture, or a buffer, as layer and level 0.
+pub(crate) type Place = (String, u32, u32);
 
-/// All that a pass's outcome depends on, but for the textures that it reads.
+/// All that a pass's outcome depends on, but for the textures and buffers that it reads.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Record {
     pub(crate) pass: Pass,
@@ -20,97 +23,105 @@ pub(crate) struct Record {
     /// The casters drawn, and the values that their shaders are chosen by.
     pub(crate) casters: Vec<Identity>,
     pub(crate) choices: Vec<(String, String)>,
-    /// Of a pass without casters: its shader, and what it reads beside textures.
-    pub(crate) shader: Option<(ProjectedKey, Constants, Vec<SamplerDesc>, Vec<BufferDesc>)>,
+    /// Of a pass without casters.
+    pub(crate) shader: Option<Shader>,
 }
 
-/// The passes into each layer, in order.
-pub(crate) type Layers = BTreeMap<Layer, Vec<Record>>;
+/// A shader that draws no caster, and what it reads beside what passes fill.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shader {
+    pub(crate) key: ProjectedKey,
+    pub(crate) light: Constants,
+    pub(crate) samplers: Vec<SamplerDesc>,
+    pub(crate) buffers: Vec<BufferDesc>,
+    /// The revision of the camera's depth.
+    pub(crate) camera_depth: Option<u64>,
+}
+
+/// The passes into each place, in order.
+pub(crate) type Drawn = BTreeMap<Place, Vec<Record>>;
+
+/// What a pass writes, and what of the plan's textures and buffers it reads.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Touches {
+    pub(crate) writes: Vec<Place>,
+    pub(crate) reads: BTreeSet<Place>,
+}
 
 /// All that was drawn for a light.
 #[derive(Default)]
 pub(crate) struct Memory {
     pub(crate) textures: Textures,
+    /// Buffers that passes write.
+    pub(crate) buffers: Buffers,
     /// The bytes that were uploaded.
     pub(crate) contents: BTreeMap<String, Vec<u8>>,
-    pub(crate) drawn: Layers,
+    pub(crate) drawn: Drawn,
 }
 
 impl Memory {
-    /// Lets go of what `plan` does not have, and of textures that were drawn into and that it has no pass for: they hold what
-    /// it does not expect.
+    /// Lets go of what `plan` does not have, and of textures and buffers that were written and that it has no pass for: they
+    /// hold what it does not expect.
     pub(crate) fn let_go(&mut self, plan: &ShadowPlan) {
-        let written: BTreeSet<_> = plan.passes.iter().flat_map(layers).collect();
-        let is_written = |name: &str| written.iter().any(|layer| layer.0 == name);
-        let drawn = self.drawn.keys().map(|layer| &layer.0);
-        let has = |name: &str| plan.textures.iter().any(|desc| desc.name == name);
-        let gone = drawn.filter(|name| !is_written(name) || !has(name));
+        let written: BTreeSet<_> = plan.passes.iter().flat_map(Pass::writes).collect();
+        let drawn = self.drawn.keys().map(|place| &place.0);
+        let has = |name: &str| {
+            let textures = plan.textures.iter().map(|desc| &desc.name);
+            let buffers = plan.buffers.iter().map(|desc| &desc.name);
+            textures.chain(buffers).any(|own| own == name)
+        };
+        let gone = drawn.filter(|name| !written.contains(name.as_str()) || !has(name));
         let gone: BTreeSet<_> = gone.cloned().collect();
-        self.textures.retain(|name, _| !gone.contains(name));
-        self.drawn.retain(|layer, _| !gone.contains(&layer.0));
+        self.textures
+            .retain(|name, _| has(name) && !gone.contains(name));
+        self.buffers
+            .retain(|name, _| has(name) && !gone.contains(name));
+        self.drawn.retain(|place, _| !gone.contains(&place.0));
     }
 }
 
-/// The layers that a pass writes.
-pub(crate) fn layers(pass: &Pass) -> Vec<Layer> {
-    match pass {
-        Pass::Casters(pass) => {
-            let depth = pass.depth.as_ref();
-            let depth = depth.map(|depth| (depth.texture.clone(), depth.layer));
-            let color = pass.color.as_ref().map(|color| (color.texture.clone(), 0));
-            depth.into_iter().chain(color).collect()
-        }
-        other => other.writes().map(|name| (name.to_owned(), 0)).collect(),
-    }
-}
-
-/// The passes of each layer.
-pub(crate) fn by_layer(records: &[Record]) -> Layers {
-    let mut all = Layers::new();
-    for record in records {
-        for layer in layers(&record.pass) {
-            all.entry(layer).or_default().push(record.clone());
+/// The passes into each place.
+pub(crate) fn by_place(passes: &[(Record, Touches)]) -> Drawn {
+    let mut all = Drawn::new();
+    for (record, touches) in passes {
+        for place in &touches.writes {
+            all.entry(place.clone()).or_default().push(record.clone());
         }
     }
     all
 }
 
-/// Which passes of `plan` have to be run, in its order. `reads` has the textures that each reads, `new` those that hold
+/// Which passes of a plan have to be run, in its order, where these stand. `new` has the textures and buffers that hold
 /// nothing yet or were uploaded anew.
 pub(crate) fn stale(
-    plan: &ShadowPlan,
-    (wanted, drawn): (&Layers, &Layers),
-    reads: &[BTreeSet<String>],
+    passes: &[(Record, Touches)],
+    (wanted, drawn): (&Drawn, &Drawn),
     new: &BTreeSet<String>,
 ) -> Vec<bool> {
-    let written: Vec<_> = plan.passes.iter().map(layers).collect();
-    let mut stale: BTreeSet<&Layer> = wanted
+    let mut stale: BTreeSet<&Place> = wanted
         .iter()
-        .filter(|(layer, records)| new.contains(&layer.0) || drawn.get(*layer) != Some(*records))
-        .map(|(layer, _)| layer)
+        .filter(|(place, records)| new.contains(&place.0) || drawn.get(*place) != Some(*records))
+        .map(|(place, _)| place)
         .collect();
-    let mut fresh: BTreeSet<&str> = new.iter().map(String::as_str).collect();
-    fresh.extend(stale.iter().map(|layer| layer.0.as_str()));
-    // What is filled again has what is made of it filled again, and all that one pass writes goes together. A texture that
+    // What is filled again has what is made of it filled again, and all that one pass writes goes together. A place that
     // later passes fill further has lost what a pass before them reads.
     loop {
-        let before = (stale.len(), fresh.len());
-        for (number, (layers, reads)) in written.iter().zip(reads).enumerate() {
-            let runs = layers.iter().any(|layer| stale.contains(layer))
-                || reads.iter().any(|name| fresh.contains(name.as_str()));
-            if !runs {
+        let before = stale.len();
+        for (number, (_, Touches { writes, reads })) in passes.iter().enumerate() {
+            let fresh = |place: &Place| new.contains(&place.0) || stale.contains(place);
+            if !writes.iter().any(|place| stale.contains(place)) && !reads.iter().any(fresh) {
                 continue;
             }
-            let lost = |layer: &&Layer| reads.contains(&layer.0);
-            let lost = written[number + 1..].iter().flatten().filter(lost);
-            let again: Vec<_> = layers.iter().chain(lost).collect();
-            fresh.extend(again.iter().map(|layer| layer.0.as_str()));
-            stale.extend(again);
+            let later = passes[number + 1..]
+                .iter()
+                .flat_map(|(_, later)| &later.writes);
+            let lost = later.filter(|place| reads.contains(*place));
+            stale.extend(writes.iter().chain(lost));
         }
-        if (stale.len(), fresh.len()) == before {
+        if stale.len() == before {
             break;
         }
     }
-    let runs = |layers: &Vec<Layer>| layers.iter().any(|layer| stale.contains(layer));
-    written.iter().map(runs).collect()
+    let runs = |(_, touches): &(Record, Touches)| touches.writes.iter().any(|w| stale.contains(w));
+    passes.iter().map(runs).collect()
 }

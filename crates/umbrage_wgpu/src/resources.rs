@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbrage_shadow::{
-    Constants, Contents, Pass, Reads, Region, SamplerDesc, ShadowPlan, TextureDesc, TextureShape,
-    Value,
+    BufferContents, BufferDesc, Constants, Contents, Pass, Reads, Region, SamplerDesc, ShadowPlan,
+    TextureDesc, TextureShape, Value,
 };
 
-use crate::{CheckedShadow, Error, Unfiltered, device, program::STORED, targets::bad_plan};
+use crate::{Error, Job, Unfiltered, device, program::STORED, targets::bad_plan};
 
 /// Resources of `calc_shadow`, or of a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]
@@ -22,24 +22,12 @@ pub struct ShadowResources {
     pub samplers: BTreeMap<String, (SamplerDesc, wgpu::Sampler)>,
     /// Storage buffers, not on the device yet: each shader may lay them out in its own way.
     pub buffers: BTreeMap<String, Value>,
+    /// Storage buffers that passes of the plan wrote.
+    pub written: BTreeMap<String, wgpu::Buffer>,
     /// Where other permutations give the same.
     pub regions: Vec<Region>,
     /// Whether textures of 32 bits a channel may be filtered, beyond the baseline.
     pub filters_all_floats: bool,
-}
-
-impl ShadowResources {
-    /// Resources of a pass of the plan, under the names that it has for them.
-    pub fn given_to(&self, reads: &Reads) -> Self {
-        let mut given = self.clone();
-        given.constants = reads.constants.clone();
-        for (binding, texture) in &reads.renamed {
-            if let Some(found) = self.textures.get(texture) {
-                given.textures.insert(binding.clone(), found.clone());
-            }
-        }
-        given
-    }
 }
 
 /// A plan's textures by name.
@@ -49,24 +37,32 @@ pub(crate) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
 pub(crate) fn textures(
     device: &wgpu::Device,
     kept: &Textures,
-    shadow: &CheckedShadow<'_>,
-    (light, plan): (&str, &ShadowPlan),
+    job: &Job<'_>,
+    plan: &ShadowPlan,
 ) -> Result<(Textures, BTreeSet<String>), Error> {
     use wgpu::TextureUsages as Usage;
     let (mut textures, mut new) = (Textures::new(), BTreeSet::new());
     for desc in &plan.textures {
-        let filled = match contents(shadow, plan, desc)? {
+        let depth = desc.format.has_depth_aspect();
+        if !desc.empty.is_finite() || (depth && !(0.0..=1.0).contains(&desc.empty)) {
+            let problem = format!(
+                "the texture `{}`, empty at {}: a finite number, of depth from 0 to 1, is needed",
+                desc.name, desc.empty
+            );
+            return Err(bad_plan(job, &problem));
+        }
+        let filled = match contents(job, plan, desc)? {
             Some(_) => Usage::COPY_DST,
             None => written(plan, &desc.name),
         };
         let usage = Usage::TEXTURE_BINDING | filled;
-        let stored = STORED.contains(&desc.format) && desc.shape == TextureShape::D2;
+        let stored = STORED.contains(&desc.format) && desc.shape != TextureShape::Cube;
         if usage.contains(Usage::STORAGE_BINDING) && !stored {
             let problem = format!(
-                "the texture `{}` is written by a compute shader, but is not one rectangle in a format to store to ({:?})",
+                "the texture `{}` is written by a compute shader, but is a cube, or in no format to store to ({:?})",
                 desc.name, desc.format
             );
-            return Err(bad_plan(shadow, &problem));
+            return Err(bad_plan(job, &problem));
         }
         let known = kept.get(&desc.name);
         let known = known.filter(|(known, kept)| known == desc && kept.usage() == usage);
@@ -74,8 +70,8 @@ pub(crate) fn textures(
             Some((_, texture)) => texture.clone(),
             None => {
                 new.insert(desc.name.clone());
-                let what = format!("texture `{}` of light `{light}`", desc.name);
-                device::texture(device, &what, size(desc), 1, desc.format, usage)?
+                let what = what(job, "texture", &desc.name);
+                device::texture(device, &what, size(desc), desc.levels, desc.format, usage)?
             }
         };
         textures.insert(desc.name.clone(), (desc.clone(), texture));
@@ -86,16 +82,76 @@ pub(crate) fn textures(
             "contents for `{}`, which is none of its textures",
             contents.texture
         );
-        return Err(bad_plan(shadow, &problem));
+        return Err(bad_plan(job, &problem));
     }
     Ok((textures, new))
+}
+
+/// What an error calls a resource.
+fn what(job: &Job<'_>, kind: &str, name: &str) -> String {
+    let (light, method) = (job.name, job.shadow.method().name());
+    format!("light `{light}`, method `{method}`: the {kind} `{name}`")
+}
+
+/// Buffers that passes write, by name.
+pub(crate) type Buffers = BTreeMap<String, wgpu::Buffer>;
+
+/// The buffers that the plan's passes write, those of `kept` where they are as large; and the names of those that are new.
+pub(crate) fn buffers(
+    device: &wgpu::Device,
+    kept: &Buffers,
+    job: &Job<'_>,
+    plan: &ShadowPlan,
+) -> Result<(Buffers, BTreeSet<String>), Error> {
+    use wgpu::BufferUsages as Usage;
+    let (mut buffers, mut new) = (Buffers::new(), BTreeSet::new());
+    for desc in &plan.buffers {
+        let BufferContents::Written(size) = desc.contents else {
+            continue;
+        };
+        if size % wgpu::COPY_BUFFER_ALIGNMENT != 0 {
+            let problem = format!(
+                "{size} bytes of the buffer `{}`, no multiple of 4",
+                desc.name
+            );
+            return Err(bad_plan(job, &problem));
+        }
+        let known = kept.get(&desc.name).filter(|known| known.size() == size);
+        let buffer = match known {
+            Some(buffer) => buffer.clone(),
+            None => {
+                new.insert(desc.name.clone());
+                let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::INDIRECT;
+                device::zeros(device, &what(job, "buffer", &desc.name), usage, size)?
+            }
+        };
+        buffers.insert(desc.name.clone(), buffer);
+    }
+    Ok((buffers, new))
+}
+
+/// Whether each of the plan's textures and buffers has a name of its own.
+pub(crate) fn check_names(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
+    let textures = plan.textures.iter().map(|desc| &desc.name);
+    let buffers = plan.buffers.iter().map(|desc| &desc.name);
+    let mut known = BTreeSet::from([Reads::CAMERA_DEPTH]);
+    match textures.chain(buffers).find(|name| !known.insert(name)) {
+        Some(name) => {
+            let problem = format!(
+                "two textures or buffers `{name}` (`{}` is the camera's)",
+                Reads::CAMERA_DEPTH
+            );
+            Err(bad_plan(job, &problem))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Resources of a plan, its constants and regions apart.
 pub(crate) fn resources(
     device: &wgpu::Device,
     plan: &ShadowPlan,
-    textures: &Textures,
+    (textures, buffers): (&Textures, &Buffers),
 ) -> ShadowResources {
     let needs = |features| {
         let mut needs = plan.needs.iter();
@@ -105,10 +161,12 @@ pub(crate) fn resources(
         filters_all_floats: needs(wgpu::Features::FLOAT32_FILTERABLE),
         ..ShadowResources::default()
     };
-    for (desc, texture) in textures.values() {
+    let own = plan.textures.iter();
+    for (desc, texture) in own.filter_map(|desc| textures.get(&desc.name)) {
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(match desc.shape {
                 TextureShape::D2 => wgpu::TextureViewDimension::D2,
+                TextureShape::Array(_) => wgpu::TextureViewDimension::D2Array,
                 TextureShape::Cube => wgpu::TextureViewDimension::Cube,
             }),
             ..Default::default()
@@ -127,9 +185,16 @@ pub(crate) fn resources(
         let sampler = (desc.clone(), sampler);
         resources.samplers.insert(desc.name.clone(), sampler);
     }
-    for desc in &plan.buffers {
-        let value = desc.value.clone();
-        resources.buffers.insert(desc.name.clone(), value);
+    for BufferDesc { name, contents } in &plan.buffers {
+        match (contents, buffers.get(name)) {
+            (BufferContents::Value(value), _) => {
+                resources.buffers.insert(name.clone(), value.clone());
+            }
+            (BufferContents::Written(_), Some(buffer)) => {
+                resources.written.insert(name.clone(), buffer.clone());
+            }
+            (BufferContents::Written(_), None) => {}
+        }
     }
     resources
 }
@@ -167,7 +232,7 @@ fn written(plan: &ShadowPlan, name: &str) -> wgpu::TextureUsages {
     let writers = plan
         .passes
         .iter()
-        .filter(|pass| pass.writes().any(|written| written == name));
+        .filter(|pass| pass.writes().contains(&name));
     let usages = writers.map(|pass| match pass {
         Pass::Compute(_) => Usage::STORAGE_BINDING,
         _ => Usage::RENDER_ATTACHMENT,
@@ -188,7 +253,7 @@ fn bytes_per_row(desc: &TextureDesc) -> Option<u32> {
 
 /// Contents that `plan` has for the texture, checked.
 fn contents<'a>(
-    shadow: &CheckedShadow<'_>,
+    job: &Job<'_>,
     plan: &'a ShadowPlan,
     desc: &TextureDesc,
 ) -> Result<Option<&'a Contents>, Error> {
@@ -220,7 +285,7 @@ fn contents<'a>(
             Some(_) => return Ok(Some(contents)),
         }
     };
-    Err(bad_plan(shadow, &problem))
+    Err(bad_plan(job, &problem))
 }
 
 /// What of `lights`' resources must not be filtered, each light's as an instance: textures of formats that not every device

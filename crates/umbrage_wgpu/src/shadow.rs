@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use umbrage_compose::Library;
 use umbrage_hints::ending;
 use umbrage_shadow::{
-    Aabb, Casters, Choice, Frame, Light, Registry, RegistryError, Settings, SettingsError,
+    Aabb, Answers, Casters, Choice, Frame, Light, Registry, RegistryError, Settings, SettingsError,
     ShadowMethod, View,
 };
 
@@ -51,10 +51,10 @@ impl<'a> CheckedShadow<'a> {
         axes.chain(own)
     }
 
-    /// The frame that the parts plan for.
+    /// The frame that the parts plan for, without a camera's depth and answers.
     pub fn frame<'f>(
         &'f self,
-        (view, seen): (&'f View, Option<[f64; 2]>),
+        view: &'f View,
         light: &'f Light,
         casters: &'f [Aabb],
         receivers: &'f [Aabb],
@@ -62,12 +62,17 @@ impl<'a> CheckedShadow<'a> {
         Frame {
             view,
             light,
-            casters: Casters { casters, receivers },
+            casters: Casters {
+                casters,
+                receivers,
+                air: false,
+            },
             settings: &self.settings,
             axes: &self.axes,
             depth: self.choice.depth,
             filter: self.choice.filter,
-            seen,
+            camera_depth: None,
+            answers: Answers::none(),
         }
     }
 }

@@ -133,10 +133,11 @@ impl Studio {
             light: number,
             name: "sun",
             shadow: &shadow,
-            frame: &shadow.frame((&view, None), &light, &bounds, &bounds),
+            frame: &shadow.frame(&view, &light, &bounds, &bounds),
             casters: &Identity::unchanging(told),
             choices: &[],
             constants: &constants,
+            camera_depth: None,
         };
         let mut encoder = self
             .engine

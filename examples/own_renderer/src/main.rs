@@ -115,21 +115,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             light: number as u64,
             name: light.kind.name(),
             shadow: &shadow,
-            frame: &shadow.frame((&view, None), &light, &bounds, &bounds),
+            frame: &shadow.frame(&view, &light, &bounds, &bounds),
             casters: &Identity::unchanging(bounds.len()),
             choices: &[],
             constants: &light.constants(eye),
+            camera_depth: None,
         };
         // What of the light's maps does not stand yet is drawn.
         lit.push(executor.shadow(&mut encoder, &job, &mut blocks)?.resources);
         keys.push(library.key(shadow.choices(&light).chain([("pass", "blocks")]))?);
     }
-
     // The blocks in all lights, by one shader.
     let lit: Vec<_> = lit.iter().collect();
     let permutation = composer.compose_all(&keys)?.permutation;
     let state = DrawState {
-        color: Some(ColorState::new(canvas.color.format(), None)),
+        colors: vec![ColorState::new(canvas.color.format(), None)],
         depth: Some(canvas.depth.format()),
         compare: CompareFunction::GreaterEqual,
         write_depth: true,

@@ -151,6 +151,7 @@ impl DepthSource for Midpoint {
     }
 
     fn fill(&self, frame: &Frame<'_>, maps: &Maps, plan: &mut ShadowPlan) -> Result<(), PlanError> {
+        maps.check_reversed(self.name())?;
         let demand = Demand {
             reach: frame.filter()?.reach(frame, 0)?,
             plane: maps.follows_plane,
@@ -182,12 +183,12 @@ fn faces(plan: &mut ShadowPlan, maps: &Maps) {
         Pass::Casters(CasterPass {
             shader: "caster_faces".to_owned(),
             depth: None,
-            color: Some(ColorTarget {
-                texture: FACES.to_owned(),
+            colors: vec![ColorTarget {
+                target: FACES.into(),
                 channels: ColorWrites::RED | ColorWrites::GREEN,
                 blend: Blend::Max,
-            }),
-            ..map.nearest(FACES, true)
+            }],
+            ..map.nearest(FACES, maps.order, true)
         })
     }));
 }
@@ -207,7 +208,7 @@ fn side(plan: &mut ShadowPlan, maps: &Maps, target: &str, cull: Face) {
 fn resolve(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     plan.textures
         .push(maps.texture(Maps::BINDING, Maps::FORMAT));
-    plan.samplers.push(SamplerDesc::comparison());
+    plan.samplers.push(SamplerDesc::comparison(maps.order));
     plan.passes.extend(maps.maps.iter().map(|map| {
         let margin = Margin::of(map, demand).value();
         let constants = Constants::new().with("margin", margin);

@@ -17,7 +17,7 @@ impl Part for Nearest {
 impl DepthSource for Nearest {
     fn fill(&self, _: &Frame<'_>, maps: &Maps, plan: &mut ShadowPlan) -> Result<(), PlanError> {
         maps.nearest(Maps::BINDING, plan);
-        plan.samplers.push(SamplerDesc::comparison());
+        plan.samplers.push(SamplerDesc::comparison(maps.order));
         Ok(())
     }
 }

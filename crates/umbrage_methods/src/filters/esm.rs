@@ -183,6 +183,7 @@ impl Filter for Esm {
         maps: &Maps,
         plan: &mut ShadowPlan,
     ) -> Result<(), PlanError> {
+        maps.check_reversed(self.name())?;
         let job = Job {
             esm: *self,
             exponent: self.exponent(frame)?,
@@ -298,10 +299,10 @@ impl Job {
             let [across, down] = windows.map(|each| side.div_ceil(each).div_ceil(GROUP));
             plan.passes.push(Pass::Compute(ComputePass {
                 shader: shader.to_owned(),
-                workgroups: [across, down, maps.maps.len() as u32],
-                writes: vec![target.to_owned()],
+                workgroups: [across, down, maps.maps.len() as u32].into(),
+                writes: vec![target.into()],
                 reads: Reads {
-                    renamed: vec![(binding.to_owned(), target.to_owned())],
+                    renamed: vec![(binding.to_owned(), target.into())],
                     constants: Constants::new()
                         .with("side", Value::U32(side))
                         .with("columns", Value::U32(maps.size[0] / side))

@@ -140,6 +140,7 @@ impl Filter for Hpsm {
         maps: &Maps,
         plan: &mut ShadowPlan,
     ) -> Result<(), PlanError> {
+        maps.check_reversed(self.name())?;
         let (width, block) = (Width::of(frame)?.widest, block(frame)?);
         let (shader, name) = match self {
             Self::Planes | Self::Naive | Self::MinMax => ("hpsm", "hpsm_blocks"),
@@ -159,8 +160,8 @@ impl Filter for Hpsm {
         let groups = blocks.div_ceil(self.blocks_a_group(width, block));
         plan.passes.push(Pass::Compute(ComputePass {
             shader: shader.to_owned(),
-            workgroups: [groups, groups, maps.maps.len() as u32],
-            writes: vec![name.to_owned()],
+            workgroups: [groups, groups, maps.maps.len() as u32].into(),
+            writes: vec![name.into()],
             reads: Reads {
                 constants: Constants::new()
                     .with("side", Value::U32(side))

@@ -44,9 +44,9 @@
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
 use umbrage_shadow::{
-    Beam, Bias, Bounds, Choice, Constants, Extent, Frame, Frustum, Lens, Light, LightKind, Map,
-    MapRange, Maps, Part, PlanError, Rect, Setting, ShadowMethod, ShadowPlan, Support,
-    TextureShape, Value, Viewport,
+    Beam, Bias, Bounds, Choice, Constants, DepthOrder, Extent, Frame, Frustum, Lens, Light,
+    LightKind, Map, MapRange, Maps, Part, PlanError, Rect, Setting, ShadowMethod, ShadowPlan,
+    Support, TextureShape, Value, Viewport,
 };
 
 use crate::filters::Width;
@@ -284,6 +284,8 @@ impl<'a> Job<'a> {
             range: MapRange::new(lens, seen, self.resolution),
         };
         let maps = Maps {
+            // Lenses' matrices give reversed depth.
+            order: DepthOrder::Reversed,
             shape: TextureShape::D2,
             size: [self.resolution; 2],
             maps: vec![map],
@@ -314,6 +316,8 @@ impl<'a> Job<'a> {
         constants: Constants,
     ) -> Result<ShadowPlan, PlanError> {
         let maps = Maps {
+            // Lenses' matrices give reversed depth.
+            order: DepthOrder::Reversed,
             shape: TextureShape::Cube,
             size: [size; 2],
             maps,

@@ -28,12 +28,14 @@ pub(crate) fn plan(scene: &Scene) -> Result<ShadowPlan, PlanError> {
         casters: Casters {
             casters: &scene.casters,
             receivers: &scene.receivers,
+            air: false,
         },
         settings: &settings,
         axes: &axes,
         depth: choice.depth,
         filter: choice.filter,
-        seen: None,
+        camera_depth: None,
+        answers: Answers::none(),
     })
 }
 

@@ -67,7 +67,7 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
             let Some(pass) = passes.iter().find(|pass| {
                 pass.depth
                     .as_ref()
-                    .is_some_and(|depth| depth.layer == layer)
+                    .is_some_and(|depth| depth.target.layer == layer)
             }) else {
                 return 0.0;
             };

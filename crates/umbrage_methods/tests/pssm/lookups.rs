@@ -50,7 +50,10 @@ fn place(plan: &ShadowPlan, lookup: &str, split: usize, position: DVec3) -> Vec4
             )
         }
         "storage" => {
-            let split = element(&plan.buffers[0].value);
+            let split = match &plan.buffers[0].contents {
+                BufferContents::Value(value) => element(value),
+                BufferContents::Written(_) => panic!("no value"),
+            };
             matrix(&member(&split, "world_to_map")) * position
         }
         "branches" | "weights" => {

@@ -371,7 +371,8 @@ fn splits_lie_where_pixels_see_something() {
     };
     // What is not asked for is not heeded.
     let boxes = range(&scene);
-    scene.seen = Some([5.0, 20.0]);
+    scene.camera_depth = Some([640, 65]);
+    scene.answer([5.0, 20.0]);
     assert_eq!(range(&scene), boxes);
     assert!(boxes.1 < 4.0 && boxes.2 > 90.0);
     scene.choose("range", "depths");
@@ -391,7 +392,7 @@ fn splits_lie_where_pixels_see_something() {
         "{near} to {far}"
     );
     // All at one depth: a wall.
-    scene.seen = Some([8.5, 8.5]);
+    scene.answer([8.5, 8.5]);
     let (count, near, far) = range(&scene);
     assert!(count > 0 && near < 8.5 && far > 8.5);
     scene.choose("fit", "tight");
@@ -401,14 +402,46 @@ fn splits_lie_where_pixels_see_something() {
         "{count}: {near} to {far}"
     );
     // No pixel sees anything.
-    scene.seen = Some([f64::MAX, 0.0]);
+    scene.answer([f64::MAX, 0.0]);
     assert_eq!(range(&scene).0, 0);
-    scene.seen = None;
+    // Air is seen wherever surfaces are.
+    scene.air = true;
+    scene.choose("fit", "stable");
+    assert_eq!(range(&scene), boxes);
+}
+
+/// The question is a pass over the camera's depth, and nothing else; the plan that was answered has it as well, last, so that
+/// an engine may ask with the answers of the frame before.
+#[test]
+fn what_pixels_see_is_asked() {
+    let mut scene = Scene::new(sun());
+    scene.hold(vec![ground(100.0)]);
+    scene.choose("range", "depths");
     let error = scene.plan().expect_err("refused").to_string();
-    assert!(
-        error.contains("the frame's depths seen is missing"),
-        "{error}"
+    assert_eq!(
+        error,
+        "the camera's depth is missing, but must be given, as the axis `range` is `depths`; choose `boxes` where there \
+         is none"
     );
+    scene.camera_depth = Some([640, 65]);
+    let question = scene.plan().expect("a plan");
+    assert_eq!(question.asks, ["seen_depths"]);
+    let [Pass::Compute(pass)] = &question.passes[..] else {
+        panic!("one pass: {:?}", question.passes)
+    };
+    assert_eq!(pass.workgroups, [10, 2, 1].into());
+    assert_eq!(pass.writes, ["seen_depths".into()]);
+    scene.answer([5.0, 20.0]);
+    let plan = scene.plan().expect("a plan");
+    assert!(plan.asks.is_empty());
+    assert_eq!(plan.passes.len(), 5);
+    assert_eq!(plan.passes.last(), question.passes.last());
+    scene.answers = Answers::default().with([("seen_depths".to_owned(), vec![0; 9])]);
+    let error = scene.plan().expect_err("refused").to_string();
+    assert!(error.contains("is 9 bytes, but must be 8 bytes"), "{error}");
+    // Air is seen wherever surfaces are: nothing is asked.
+    scene.air = true;
+    assert!(scene.plan().expect("a plan").asks.is_empty());
 }
 
 #[test]

@@ -12,7 +12,9 @@ pub(crate) struct Scene {
     pub(crate) light: Light,
     pub(crate) casters: Vec<Aabb>,
     pub(crate) receivers: Vec<Aabb>,
-    pub(crate) seen: Option<[f64; 2]>,
+    pub(crate) air: bool,
+    pub(crate) camera_depth: Option<[u32; 2]>,
+    pub(crate) answers: Answers,
     axes: BTreeMap<String, String>,
     settings: BTreeMap<String, f64>,
 }
@@ -47,7 +49,9 @@ impl Scene {
                 kind,
                 color: Vec3::ONE,
             },
-            seen: None,
+            air: false,
+            camera_depth: None,
+            answers: Answers::default(),
             casters: Vec::new(),
             receivers: Vec::new(),
             axes: axes.map(|(a, v)| (a.to_owned(), v.to_owned())).into(),
@@ -85,13 +89,29 @@ impl Scene {
             casters: Casters {
                 casters: &self.casters,
                 receivers: &self.receivers,
+                air: self.air,
             },
             settings: &settings,
             axes: &self.axes,
             depth: choice.depth,
             filter: choice.filter,
-            seen: self.seen,
+            camera_depth: self.camera_depth,
+            answers: &self.answers,
         })
+    }
+}
+
+impl Scene {
+    /// Answers what pixels see: the least and the greatest view depth, metres; nothing where the first is greater.
+    pub(crate) fn answer(&mut self, [least, most]: [f64; 2]) {
+        let [far, step] = self.view.projection.depth_terms();
+        let depth = |view_depth: f64| ((1.0 / view_depth - far) / step) as f32;
+        let words = match least > most {
+            true => [0; 2],
+            false => [depth(least).to_bits(), !depth(most).to_bits()],
+        };
+        let bytes = words.into_iter().flat_map(u32::to_le_bytes).collect();
+        self.answers = Answers::default().with([("seen_depths".to_owned(), bytes)]);
     }
 }
 

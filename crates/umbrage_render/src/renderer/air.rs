@@ -1,7 +1,7 @@
 //! A scene's air, where it is a medium: it dims what is seen, and scatters light on the way to the eye.
 
-use glam::{DVec3, Vec2, Vec3};
-use umbrage_shadow::{Aabb, Constants, Field, LightKind, Value, View};
+use glam::{DVec2, DVec3, Vec3};
+use umbrage_shadow::{Aabb, Constants, LightKind, Value, View};
 use umbrage_wgpu::{ColorState, DrawState};
 
 use super::{
@@ -67,13 +67,7 @@ pub(super) fn constants(
     medium: &Medium,
     options: &RenderOptions,
 ) -> Constants {
-    let (near, far) = (view.projection.near, view.projection.far);
-    // At depth 0 and at depth 1.
-    let ends = match view.projection.field {
-        Field::Perspective { .. } => [1.0 / far, 1.0 / near],
-        Field::Orthographic { .. } => [far, near],
-    };
-    let depth_terms = Vec2::new(ends[0] as f32, (ends[1] - ends[0]) as f32);
+    let depth_terms = DVec2::from(view.projection.depth_terms()).as_vec2();
     let number = |value: f64| Value::F32(value as f32);
     rays.with("depth_terms", Value::Vec2(depth_terms))
         .with("scattering", number(medium.scattering))
@@ -134,11 +128,11 @@ impl Renderer {
             ambient: Vec3::ZERO,
             vertices: Vertices::Shared,
             state: DrawState {
-                color: Some(ColorState {
+                colors: vec![ColorState {
                     format: target.format(),
                     blend: pass.blend,
                     channels: wgpu::ColorWrites::ALL,
-                }),
+                }],
                 unfiltered: unfiltered(&lights),
                 ..DrawState::NOTHING
             },

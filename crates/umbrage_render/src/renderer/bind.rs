@@ -12,7 +12,7 @@ use super::{
     air::SEEN_DEPTH,
     assets::{self, Assets},
     draw::{FrameState, PassInputs},
-    seen::{SEEN_DEPTHS, SEEN_PLANES},
+    seen::SEEN_PLANES,
 };
 use crate::{
     Gpu, RenderError,
@@ -112,12 +112,6 @@ impl Renderer {
                 let depth = frame.seen_depth.clone();
                 let depth = depth.ok_or_else(|| unknown(key, binding, nothing))?;
                 Ok(Resource::Texture(depth))
-            }
-            (SEEN_DEPTHS, BindingKind::StorageTexture { .. }) => {
-                let nothing = "what passes that look for no depths give";
-                let depths = frame.depths.clone();
-                let depths = depths.ok_or_else(|| unknown(key, binding, nothing))?;
-                Ok(Resource::Texture(depths))
             }
             ("instances", _) => frame.instances(&self.gpu, key, binding),
             _ => Err(unknown(

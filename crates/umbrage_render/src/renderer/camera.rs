@@ -333,16 +333,7 @@ impl Renderer {
     ) -> Result<Lamp<'a>, RenderError> {
         let method = light.method.as_ref();
         let shadow = match method.filter(|_| !lit.is_empty() || air.is_some()) {
-            Some(setup) => {
-                // Air is seen from the near plane on, wherever surfaces are.
-                let wanted = air.is_none() && setup.method().wants_seen_depths(&setup.axes);
-                let seen = match wanted {
-                    true => Some(self.seen_depths(frame, shot, to)?),
-                    false => None,
-                };
-                let by = (&shot.view, seen);
-                Some(self.cast(frame, by, light, setup, (lit, air.as_ref()))?)
-            }
+            Some(setup) => Some(self.cast(frame, shot, to, (light, setup), (lit, air.as_ref()))?),
             None => None,
         };
         Ok(Lamp {
@@ -456,11 +447,11 @@ fn camera_state(
     lights: &[LightInputs<'_>],
 ) -> DrawState {
     DrawState {
-        color: Some(ColorState {
+        colors: vec![ColorState {
             format,
             blend: pass.blend,
             channels: wgpu::ColorWrites::ALL,
-        }),
+        }],
         depth: Some(DEPTH),
         compare: wgpu::CompareFunction::GreaterEqual,
         write_depth: pass.writes_depth,

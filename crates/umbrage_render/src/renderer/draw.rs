@@ -40,10 +40,6 @@ pub(super) struct FrameState<'a> {
     pub(super) planes: Option<wgpu::TextureView>,
     /// The depth of what is seen, once it is there for the air.
     pub(super) seen_depth: Option<wgpu::TextureView>,
-    /// Where the depths go between which it is seen, block by block.
-    pub(super) depths: Option<wgpu::TextureView>,
-    /// Between which depths it is, where that was asked for.
-    pub(super) seen: Option<[f64; 2]>,
     /// The members of the shader's block `rays`.
     pub(super) rays: Constants,
     /// Whether the camera's rays are parallel.
@@ -115,8 +111,6 @@ impl<'a> FrameState<'a> {
         Self {
             planes: None,
             seen_depth: None,
-            depths: None,
-            seen: None,
             rays,
             orthographic,
             options,

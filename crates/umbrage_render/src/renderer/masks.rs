@@ -210,11 +210,11 @@ fn has_regions(shadow: Option<&ShadowResources>) -> bool {
 /// Depth is only looked at.
 pub(super) fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
     DrawState {
-        color: Some(ColorState {
+        colors: vec![ColorState {
             format,
             blend: None,
             channels: wgpu::ColorWrites::ALL,
-        }),
+        }],
         depth: Some(DEPTH),
         compare,
         write_depth: false,

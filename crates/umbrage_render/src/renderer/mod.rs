@@ -37,6 +37,8 @@ pub struct Renderer {
     /// Shadow maps, and all pipelines.
     executor: Executor,
     white: Arc<Image>,
+    /// Pictures that were begun: each has a camera's depth of its own.
+    pictures: u64,
 }
 
 /// What to render.
@@ -193,6 +195,7 @@ impl Renderer {
             assets: Assets::default(),
             executor,
             white: Arc::new(Image::white()),
+            pictures: 0,
         }
     }
 
@@ -221,6 +224,7 @@ impl Renderer {
             return Err(RenderError::Steps { steps });
         }
         self.assets.sweep();
+        self.pictures += 1;
         let gpu = Arc::clone(&self.gpu);
         let done = gpu.check(|| self.render_unchecked(scene, options));
         if done.is_err() {

@@ -72,11 +72,6 @@ impl<'a> Objects<'a> {
         self.entries.iter().map(|entry| entry.object).enumerate()
     }
 
-    /// The object at `slot`.
-    pub(super) fn object(&self, slot: usize) -> Option<&'a Object> {
-        self.entries.get(slot).map(|entry| entry.object)
-    }
-
     /// The place in the scene of the object at `slot`.
     pub(super) fn index(&self, slot: usize) -> Option<usize> {
         self.entries.get(slot).map(|entry| entry.index)

@@ -96,7 +96,7 @@ impl Renderer {
         };
         let region = self.pass("region")?;
         let written = DrawState {
-            color: Some(nothing),
+            colors: vec![nothing],
             write_depth: region.writes_depth,
             ..state(TERM, wgpu::CompareFunction::Always)
         };

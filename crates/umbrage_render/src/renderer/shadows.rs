@@ -8,20 +8,21 @@ use std::{
 };
 
 use umbrage_compose::{Composed, Purpose};
-use umbrage_shadow::{Pass, View};
+use umbrage_shadow::{Answers, Frame, Pass};
 use umbrage_wgpu::{
-    CheckedShadow, Drawn, Draws, Executed, Host, Identity, Job, Pipeline, Run, ShadowResources,
-    Times, size,
+    CameraDepth, CheckedShadow, Drawn, Draws, Executed, Host, Identity, Job, Pipeline, Run,
+    ShadowResources, Times, size,
 };
 
 use super::{
-    Renderer,
+    Renderer, Shot,
     air::{AIR, LitAir},
     assets::{Vertices, layouts},
     bind::Stock,
     draw::FrameState,
     lights::{self, LightSetup},
     objects::Run as Batch,
+    target::Target,
 };
 use crate::{
     Gpu, RenderError,
@@ -29,13 +30,14 @@ use crate::{
 };
 
 impl Renderer {
-    /// Draws the shadow maps of a light for the objects at `receivers`, and for the air.
+    /// Draws the shadow maps of a light for the objects at `receivers`, and for the air. Where parts ask what is on the
+    /// device, what was recorded is run and waited for. `fresh` tells that the target has no depth yet.
     pub(super) fn cast(
         &mut self,
         frame: &mut FrameState<'_>,
-        (view, seen): (&View, Option<[f64; 2]>),
-        light: &LightSetup<'_>,
-        setup: &CheckedShadow<'_>,
+        shot: &Shot<'_>,
+        (target, fresh): (&Target, bool),
+        (light, setup): (&LightSetup<'_>, &CheckedShadow<'_>),
         (receivers, air): (&[usize], Option<&LitAir>),
     ) -> Result<ShadowResources, RenderError> {
         let (mut casting, mut casters) = (Vec::new(), Vec::new());
@@ -53,49 +55,72 @@ impl Renderer {
             }
         }
         receiver_bounds.extend(air.and_then(|air| air.shaded));
-        let planned = setup.frame(
-            (view, seen),
-            &light.source.light,
-            &caster_bounds,
-            &receiver_bounds,
-        );
+        let view = &shot.view;
+        let mut planned = setup.frame(view, &light.source.light, &caster_bounds, &receiver_bounds);
+        planned.casters.air = air.is_some();
+        planned.camera_depth = Some([frame.options.width, frame.options.height]);
         let constants = lights::constants(&light.source.light, view.position);
         let choices = lights::choices(frame.options, frame.orthographic);
-        let job = Job {
-            light: light.index as u64,
-            name: &light.source.name,
-            shadow: setup,
-            frame: &planned,
-            casters: &casters,
-            choices: &choices,
-            constants: &constants,
-        };
+        let number = light.index as u64;
         if frame.options.fresh {
-            self.executor.forget(job.light);
+            self.executor.forget(number);
         }
-        frame.shadow_maps.insert(job.light);
-        let next = self.gpu.device.create_command_encoder(&Default::default());
-        let mut encoder = mem::replace(&mut frame.encoder, next);
-        let mut stage = Stage {
-            gpu: &self.gpu,
-            stock: Stock {
-                assets: &mut self.assets,
-                white: &self.white,
-            },
-            frame: &mut *frame,
-            casting: &casting,
-            light: &light.source.name,
-            cause: receiver.map_or(AIR, |object| &object.name),
-            draws: 0,
-        };
-        let done = self.executor.shadow(&mut encoder, &job, &mut stage);
-        let draws = stage.draws;
-        frame.encoder = encoder;
-        let executed = done.map_err(own)?;
-        report(frame, &executed, draws);
-        frame.report.plans.resize(light.index, None);
-        frame.report.plans.push(Some(executed.plan));
-        Ok(executed.resources)
+        frame.shadow_maps.insert(number);
+        let mut answers = Answers::default();
+        loop {
+            let laid = !fresh || frame.planes.is_some();
+            let job = Job {
+                light: number,
+                name: &light.source.name,
+                shadow: setup,
+                frame: &Frame {
+                    answers: &answers,
+                    ..planned
+                },
+                casters: &casters,
+                choices: &choices,
+                constants: &constants,
+                camera_depth: laid.then_some(CameraDepth {
+                    view: &target.depth,
+                    revision: self.pictures,
+                }),
+            };
+            let next = self.gpu.device.create_command_encoder(&Default::default());
+            let mut encoder = mem::replace(&mut frame.encoder, next);
+            let mut stage = Stage {
+                gpu: &self.gpu,
+                stock: Stock {
+                    assets: &mut self.assets,
+                    white: &self.white,
+                },
+                frame: &mut *frame,
+                casting: &casting,
+                light: &light.source.name,
+                cause: receiver.map_or(AIR, |object| &object.name),
+                draws: 0,
+            };
+            let done = self.executor.shadow(&mut encoder, &job, &mut stage);
+            let draws = stage.draws;
+            frame.encoder = encoder;
+            let executed = match done {
+                Err(umbrage_wgpu::Error::NoDepth { .. }) if !laid => {
+                    // It is laid down before all else only where a light asks for it.
+                    self.lay_planes(frame, shot, (target, fresh))?;
+                    continue;
+                }
+                done => done.map_err(own)?,
+            };
+            report(frame, &executed, draws);
+            let Some(question) = executed.question else {
+                frame.report.plans.resize(light.index, None);
+                frame.report.plans.push(Some(executed.plan));
+                return Ok(executed.resources);
+            };
+            self.submit(frame)?;
+            self.gpu.read(question.buffer(), |bytes| {
+                answers = question.answer(bytes);
+            })?;
+        }
     }
 
     /// Which caster an object is. Scenes are plain data: whatever makes it look as it does makes it another.

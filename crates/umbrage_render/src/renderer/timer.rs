@@ -53,14 +53,6 @@ impl Mark {
             end_of_pass_write_index: Some(self.first + 1),
         }
     }
-
-    pub(super) fn compute_writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
-        wgpu::ComputePassTimestampWrites {
-            query_set: &self.set,
-            beginning_of_pass_write_index: Some(self.first),
-            end_of_pass_write_index: Some(self.first + 1),
-        }
-    }
 }
 
 impl Timer {

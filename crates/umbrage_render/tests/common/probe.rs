@@ -9,7 +9,6 @@ use umbrage_render::{
 };
 use umbrage_shadow::{
     Frame, Light, Part, PlanError, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
-    TextureShape,
 };
 use wgpu::TextureFormat;
 
@@ -120,11 +119,5 @@ pub(crate) fn refusal(renderer: &mut Renderer) -> String {
 
 /// A texture of one rectangle.
 pub(crate) fn texture(name: &str, format: TextureFormat, width: u32, height: u32) -> TextureDesc {
-    TextureDesc {
-        name: name.to_owned(),
-        format,
-        width,
-        height,
-        shape: TextureShape::D2,
-    }
+    TextureDesc::d2(name, format, [width, height])
 }

@@ -10,7 +10,7 @@ mod shimmer;
 use glam::{DMat4, DVec3, Vec3};
 use umbrage_render::{Object, Scene};
 use umbrage_shadow::{
-    CasterPass, DepthTarget, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
+    CasterPass, DepthOrder, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
 };
 
 use super::Sample;
@@ -52,7 +52,7 @@ fn same(sight: &Sight) -> Vec<Option<(u32, u32)>> {
 fn pass(resolution: u32, view_proj: DMat4) -> Pass {
     Pass::Casters(CasterPass {
         shader: "caster".to_owned(),
-        depth: Some(DepthTarget::nearest("map")),
+        depth: Some(DepthOrder::Reversed.nearest("map".into(), true)),
         viewport: Viewport {
             x: 0,
             y: 0,
@@ -62,7 +62,8 @@ fn pass(resolution: u32, view_proj: DMat4) -> Pass {
         cull: None,
         view_proj: view_proj.as_mat4(),
         casters: Vec::new(),
-        color: None,
+        colors: Vec::new(),
+        constants: umbrage_shadow::Constants::new(),
         receivers: None,
     })
 }

@@ -6,7 +6,7 @@ use umbrage_shadow::{
     overlap, split_depths,
 };
 
-use super::{Lookup, SETTINGS};
+use super::{Lookup, SETTINGS, range::Range};
 
 /// A frame's numbers, checked.
 pub(super) struct Job<'a> {
@@ -24,8 +24,8 @@ pub(super) struct Job<'a> {
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
-    /// Between which view depths pixels see something, where that is to bound the splits.
-    seen: Option<[f64; 2]>,
+    /// What bounds the depths that are split.
+    pub range: Range,
 }
 
 /// How one split passes into the next.
@@ -105,7 +105,7 @@ impl<'a> Job<'a> {
                 .choice("receiver_bias", &[("constant", false), ("plane", true)])?,
             transition: frame.choice("transition", &transitions)?,
             stable: frame.choice("fit", &fits)?,
-            seen: seen(frame)?,
+            range: Range::of(frame)?,
         })
     }
 
@@ -243,9 +243,10 @@ impl<'a> Job<'a> {
             far: most,
             ..
         } = self.view.projection;
-        let [near, far] = self
-            .seen
-            .map_or([near, far], |seen| [near.max(seen[0]), far.min(seen[1])]);
+        let [near, far] = match self.range {
+            Range::Seen([least, most]) => [near.max(least), far.min(most)],
+            Range::Boxes | Range::Unknown => [near, far],
+        };
         if near > far {
             return None;
         }
@@ -348,22 +349,6 @@ impl<'a> Job<'a> {
             range: MapRange::new(lens, seen, self.tile),
         })
     }
-}
-
-/// Between which view depths pixels see something, where the axis `range` asks for it.
-fn seen(frame: &Frame<'_>) -> Result<Option<[f64; 2]>, PlanError> {
-    let ranges = [("boxes", false), ("depths", true)];
-    if !frame.choice("range", &ranges)? {
-        return Ok(None);
-    }
-    let problem = "the frame's depths seen";
-    PlanError::check(
-        frame.seen.is_some(),
-        problem,
-        "missing",
-        "there, as the axis `range` is `depths`",
-    )?;
-    Ok(frame.seen)
 }
 
 /// A split that receivers touch.

@@ -2,8 +2,9 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
-    Atlas, Blend, BufferDesc, ColorTarget, Constants, Contents, Frame, MAX_SPLITS, Map, Maps, Pass,
-    PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape, Value, Viewport,
+    Atlas, Blend, BufferContents, BufferDesc, ColorTarget, Constants, Contents, DepthOrder, Frame,
+    MAX_SPLITS, Map, Maps, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape,
+    Value, Viewport,
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
@@ -20,6 +21,9 @@ const MAPS: [&str; FEW] = [
     "shadow_map_2",
     "shadow_map_3",
 ];
+
+/// Lenses' matrices give reversed depth.
+const ORDER: DepthOrder = DepthOrder::Reversed;
 
 /// The most splits of lookups that have one vector, or one texture's channels, for all of them.
 const FEW: usize = 4;
@@ -108,8 +112,10 @@ pub(super) fn plan(job: &Job<'_>, splits: &Splits) -> Result<ShadowPlan, PlanErr
         Lookup::MatrixTexture => matrix_texture(&mut plan, splits),
         Lookup::Storage => {
             let value = Value::Array(split_maps(splits, splits.splits.len().max(1)));
-            let name = "splits".to_owned();
-            plan.buffers.push(BufferDesc { name, value });
+            plan.buffers.push(BufferDesc {
+                name: "splits".to_owned(),
+                contents: BufferContents::Value(value),
+            });
         }
         _ => {}
     }
@@ -142,6 +148,7 @@ fn atlas(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) -> Result<Tiles,
         let atlas = Atlas::new(count, job.tile, margin)?;
         let maps = (0..).zip(&splits.splits);
         let maps = Maps {
+            order: ORDER,
             shape: TextureShape::D2,
             size: atlas.size(),
             maps: maps.map(|(i, split)| map(split, atlas.tile(i))).collect(),
@@ -158,7 +165,7 @@ fn atlas(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) -> Result<Tiles,
 
 /// A map for each split; the least that the shader can bind in the place of those that are not there.
 fn maps(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) {
-    plan.samplers.push(SamplerDesc::comparison());
+    plan.samplers.push(SamplerDesc::comparison(ORDER));
     for (i, name) in MAPS.into_iter().enumerate() {
         let split = splits.splits.get(i);
         let size = if split.is_some() { job.tile } else { 1 };
@@ -166,7 +173,8 @@ fn maps(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) {
             .push(TextureDesc::d2(name, Maps::FORMAT, [size, size]));
         if let Some(split) = split {
             let map = map(split, Viewport::square(job.tile));
-            plan.passes.push(Pass::Casters(map.nearest(name, true)));
+            plan.passes
+                .push(Pass::Casters(map.nearest(name, ORDER, true)));
         }
     }
 }
@@ -192,10 +200,10 @@ fn channels(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) {
     plan.textures
         .push(TextureDesc::d2(NEAREST, Maps::FORMAT, size));
     for (split, channels) in splits.splits.iter().zip(CHANNELS) {
-        let mut pass = map(split, Viewport::square(job.tile)).nearest(NEAREST, true);
+        let mut pass = map(split, Viewport::square(job.tile)).nearest(NEAREST, ORDER, true);
         pass.shader = "caster_depth".to_owned();
-        pass.color = Some(ColorTarget {
-            texture: Maps::BINDING.to_owned(),
+        pass.colors.push(ColorTarget {
+            target: Maps::BINDING.into(),
             channels,
             blend: Blend::Replace,
         });

@@ -26,10 +26,11 @@
 //!   follow the view from frame to frame.
 //!
 //! What is split is what receivers' boxes say may be seen. They say too much where something near hides a long street:
-//! with the axis `range` at `depths`, the range ends where pixels see something, which is reduced on the GPU and read
-//! back before the plan (after Lauritzen, Salvi and Lefohn 2011, "Sample distribution shadow maps", of which this is
-//! the range alone). It costs a pass over the objects and a wait within the frame; and splits move with what is seen, by
-//! powers of two where the fit is `stable`.
+//! with the axis `range` at `depths`, the range ends where pixels see something: a first plan reduces the camera's depth to
+//! two numbers and asks for them, and the second one splits what lies between (after Lauritzen, Salvi and Lefohn 2011,
+//! "Sample distribution shadow maps", of which this is the range alone). It costs a pass over the camera's depth for each
+//! light, and a wait within the frame where the engine waits; and splits move with what is seen, by powers of two where the
+//! fit is `stable`. Where air is a receiver, boxes bound the range: it is seen from the near plane on.
 //!
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
@@ -82,9 +83,8 @@
 
 mod fit;
 mod lookup;
+mod range;
 mod regions;
-
-use std::collections::BTreeMap;
 
 use umbrage_shadow::{
     Atlas, Choice, Frame, Light, LightKind, MAX_SPLITS, Part, PlanError, Setting, ShadowMethod,
@@ -92,6 +92,9 @@ use umbrage_shadow::{
 };
 
 use lookup::Lookup;
+use range::Range;
+
+pub use range::seen;
 
 /// The method `pssm`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,12 +184,11 @@ impl ShadowMethod for Pssm {
         }
     }
 
-    fn wants_seen_depths(&self, axes: &BTreeMap<String, String>) -> bool {
-        axes.get("range").is_some_and(|range| range == "depths")
-    }
-
     fn plan(&self, frame: &Frame<'_>) -> Result<ShadowPlan, PlanError> {
         let job = fit::Job::new(frame)?;
+        if job.range == Range::Unknown {
+            return range::question(frame);
+        }
         let splits = match frame.light.kind {
             LightKind::Directional { direction } => job.directional(direction.normalize())?,
             LightKind::Spot {
@@ -206,6 +208,10 @@ impl ShadowMethod for Pssm {
                 });
             }
         };
-        lookup::plan(&job, &splits)
+        let mut plan = lookup::plan(&job, &splits)?;
+        if job.range != Range::Boxes {
+            range::reduce(frame, &mut plan)?;
+        }
+        Ok(plan)
     }
 }
