@@ -1,4 +1,4 @@
-//! What bounds before a filter save: time, construction included, and fetches; and whether they change a pixel.
+//! Savings of bounds before a filter: time, construction included, and fetches; and whether they change a pixel.
 
 use std::{collections::BTreeMap, error::Error, path::Path as FilePath};
 
@@ -153,7 +153,7 @@ impl Report {
     }
 }
 
-/// What needs no clock.
+/// Figures that need no clock.
 fn count(
     renderer: &mut Renderer,
     scene: &Scene,
