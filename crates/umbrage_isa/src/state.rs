@@ -17,7 +17,7 @@ pub struct PipelineState {
     pub depth: Option<DepthTarget>,
     /// The side of triangles that is not drawn.
     pub cull: Option<Face>,
-    /// Which side of a triangle is its front.
+    /// Front side of a triangle.
     pub front: FrontFace,
 }
 
@@ -35,7 +35,7 @@ pub struct ColorTarget {
 pub struct DepthTarget {
     /// Its format.
     pub format: TextureFormat,
-    /// What of new and old depth lets a fragment through.
+    /// Comparison of new and old depth that lets a fragment through.
     pub compare: CompareFunction,
     /// Whether the new depth is kept.
     pub write: bool,

@@ -143,7 +143,7 @@ fn open_device(
     unsafe { instance.create_device(physical, &info, None) }.map_err(|error| error.to_string())
 }
 
-/// What was made for one pipeline; it goes with it.
+/// Objects made for one pipeline; they go with it.
 struct Made<'a> {
     device: &'a ash::Device,
     modules: Vec<vk::ShaderModule>,
