@@ -1,4 +1,4 @@
-//! What is true of a scene's shadows, and how far a shadow method is from it.
+//! The truth of a scene's shadows, and how far a shadow method is from it.
 //!
 //! # The model
 //! A shadow method answers one question approximately: does the light reach this point? This crate

@@ -131,7 +131,7 @@ impl Texel {
         let metres = texel.cells.inverse();
         let facing = facet.normal.dot(to_light);
         let toward = facing.abs().max(FLATTEST).copysign(facing);
-        // What lies beside the ray on the receiver: along the ray, back onto the plane.
+        // Steps beside the ray, carried along the ray back onto the receiver's plane.
         let on_receiver = texel
             .directions
             .map(|aside| aside - to_light * (facet.normal.dot(aside) / toward));

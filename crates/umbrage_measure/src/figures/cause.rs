@@ -10,7 +10,7 @@ use super::{
     surface::Surface,
 };
 
-/// What is known of one light's samples, pixel by pixel.
+/// Data of one light's samples, pixel by pixel.
 pub(super) struct Case<'a> {
     pub(super) surface: &'a Surface,
     pub(super) truth: &'a [Side],

@@ -67,13 +67,13 @@ pub fn figures(
 pub struct Sample<'a> {
     /// The light.
     pub light: &'a Light,
-    /// What is true: [`Tracer::shadow`](crate::truth::Tracer::shadow).
+    /// Terms in truth: [`Tracer::shadow`](crate::truth::Tracer::shadow).
     pub truth: &'a [Option<f32>],
     /// How far away what keeps the light off is: [`Tracer::gaps`](crate::truth::Tracer::gaps); metres.
     pub gaps: &'a [Option<f64>],
-    /// What was rendered.
+    /// Terms as rendered.
     pub rendered: &'a [f32],
-    /// What the light's method planned for this very view; none for a light without shadows.
+    /// Plan of the light's method for this very view; none for a light without shadows.
     pub plan: Option<&'a ShadowPlan>,
 }
 
@@ -152,7 +152,7 @@ fn is_compared(sight: &Sight, raster: &[Option<(u32, u32)>], pixel: usize) -> bo
     seen.is_some() && seen == raster[pixel]
 }
 
-/// What is known of all lights.
+/// Data of all lights.
 #[derive(Default)]
 struct Pool {
     /// All that is merely counted; shares are still numbers of samples.

@@ -1,4 +1,4 @@
-//! What a picture sees, as planes, and how planes and pictures relate.
+//! Surfaces that a picture sees, as planes, and how planes and pictures relate.
 
 use glam::{DMat2, DMat4, DVec2, DVec3};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use umbrage_shadow::{Light, View};
 use super::FigureError;
 use crate::truth::{Seen, Sight, lamp::Lamp};
 
-/// What each pixel sees, with the triangle's plane.
+/// Sight of each pixel, with the triangle's plane.
 pub(super) struct Surface {
     pub(super) width: usize,
     pub(super) height: usize,

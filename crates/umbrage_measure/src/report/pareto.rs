@@ -1,4 +1,4 @@
-//! Which rows are worth having.
+//! Rows that are worth having.
 
 use std::collections::BTreeMap;
 

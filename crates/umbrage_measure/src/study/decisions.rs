@@ -69,12 +69,12 @@ impl Lab {
             plain.shadow.axes.remove(axis);
             plain
         });
-        // What is left need not go together.
+        // The choices left need not go together.
         without.find(|plain| matches!(self.spares_filter(scene, plain), Ok(false)))
     }
 }
 
-/// What of `decisions` each comes to, as shares of those that ask a map; none where none does.
+/// Share of each decision among the `decisions` of receivers that sample a map; none where none does.
 fn shares(decisions: impl Iterator<Item = Decision>) -> Option<Decided> {
     let mut counts = [0_u64; Decision::ALL.len()];
     for decision in decisions {

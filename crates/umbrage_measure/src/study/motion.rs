@@ -92,7 +92,7 @@ impl Moving {
         Self(frames.collect())
     }
 
-    /// What the rasteriser sees in each picture.
+    /// The rasteriser's sight in each picture.
     pub(super) fn subjects(&self, lab: &mut Lab) -> Result<Vec<Subject<'_>>, RenderError> {
         let frames = self.0.iter();
         frames

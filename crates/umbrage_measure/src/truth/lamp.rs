@@ -1,4 +1,4 @@
-//! What of a light is asked for from a point.
+//! Part of a light that a point asks for.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,4 +1,4 @@
-//! What the page says of one scene.
+//! The page's part about one scene.
 
 use maud::{Markup, html};
 use umbrage_render::Decision;
@@ -218,7 +218,7 @@ impl Page<'_> {
     }
 }
 
-/// What the colours of decisions mean.
+/// Meaning of the colours of decisions.
 fn decisions() -> Markup {
     let colors = [
         (Decision::LitByPlane, "lit by a plane"),

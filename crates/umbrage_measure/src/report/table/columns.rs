@@ -22,12 +22,12 @@ pub(super) struct Column {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
     pub(super) unit: &'static str,
-    /// What it is, in a few words.
+    /// Meaning, in a few words.
     pub(super) about: &'static str,
     /// The figure, in the column's unit.
     pub(super) value: fn(&Row) -> Option<f64>,
     pub(super) show: fn(f64) -> String,
-    /// What stands beside it, small.
+    /// Second figure beside it, small.
     pub(super) beside: Option<fn(&Row) -> Option<String>>,
 }
 
