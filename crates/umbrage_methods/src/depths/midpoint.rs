@@ -58,10 +58,10 @@
 //! before a closed body is not harmless: the middle of its front and that body's back may lie behind that body's front, which
 //! would then be lit in the open mesh's shadow. `most` bounds it: with `plane`, by what the bias of `nearest` does there.
 //!
-//! What a receiver is raised by to follow its plane takes from the half thickness of a thin body, as it takes from
-//! the whole with `nearest`: steep receivers are as detached with the one as with the other. In the hard case `contact`
-//! (2 cm under texels of 8 mm) 0.19 % of the picture is falsely lit, with `nearest` 0.23 %; it would be 0.25 % with
-//! middles at any depth, and 0.28 % if they were no less than `bias` deep besides.
+//! Slope bias, by which a receiver follows its plane, takes from the half thickness of a thin body, as it takes from the
+//! whole with `nearest`: steep receivers show as much peter-panning with the one as with the other. In the hard case
+//! `contact` (2 cm under texels of 8 mm) 0.19 % of the picture is falsely lit, with `nearest` 0.23 %; it would be 0.25 %
+//! with middles at any depth, and 0.28 % if they were no less than `bias` deep besides.
 //!
 //! Under `constant`, a body shades itself where it ends in an edge on the side away from the light: there it is thin.
 //! A closed body that is inside out has its back before its front, and is biased as an open one. A hollow of a body
@@ -89,7 +89,7 @@ const LEAST: f64 = 1.0 / 16.0;
 /// The slope that a middle holds off where no plane is followed: the tangent of 87°.
 const STEEPEST: f64 = 19.0;
 
-/// What is enough there for all else: the default `depth_bias`.
+/// Depth that is enough there for all else: the default `depth_bias`.
 const MOST: f64 = 1.5;
 
 /// The depth sources `midpoint`, `midpoint_sampled` and `midpoint_two_passes`: where the middle is taken.
@@ -103,7 +103,7 @@ pub enum Midpoint {
     TwoPasses,
 }
 
-/// What a filter asks of a surface's distance to its own middle.
+/// Demands of a filter on a surface's distance to its own middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Demand {
     /// How far from its middle the filter reads, texels.
@@ -220,7 +220,7 @@ fn resolve(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     }));
 }
 
-/// What resolves while sampling.
+/// Plans maps that are resolved while they are sampled.
 fn sample(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     plan.samplers
         .push(SamplerDesc::new("faces_sampler", FilterMode::Nearest));

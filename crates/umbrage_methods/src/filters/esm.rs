@@ -96,13 +96,13 @@ use wgpu_types::{Features, FilterMode, TextureFormat};
 
 use super::Width;
 
-/// What is read: filtered.
+/// The filtered map, which is read.
 const FILTERED: &str = "esm_map";
 
-/// What is filtered along its rows alone.
+/// The map filtered along its rows alone.
 const ROWS: &str = "esm_rows";
 
-/// What is filtered, before it is rounded to half floats.
+/// The filtered map, before it is rounded to half floats.
 const MEANS: &str = "esm_means";
 
 /// Invocations along a workgroup's sides.
@@ -348,7 +348,7 @@ impl Job {
 mod tests {
     use super::*;
 
-    /// What the passes and the fetch make of the ends of the range, in each format's numbers; and that a fiftieth more would be too much.
+    /// The passes and the fetch hold the ends of the range in each format's numbers; a fiftieth more would be too much.
     #[test]
     fn the_largest_exponents_fit_their_formats() {
         let full = |exponent: f64| {

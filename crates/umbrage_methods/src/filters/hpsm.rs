@@ -55,9 +55,9 @@
 //! 16 bytes a block; each texel is read 1.3 to 4 times to build (W = 15: blocks of 8, 4, 2 texels 1.3, 1.8, 4), four by a
 //! gather. A receiver takes one fetch (`hpsm`, `min_max`), and ((W + 1) / 2)² more where it stays open.
 //!
-//! What is decided with W = 15, in percent of the receivers that ask a map, blocks of 4 (pixels of `umbrage render --size
-//! 640x360 --axis pcf=15 --axis filter=hpsm --what decisions`; `umbrage compare` has the same of the samples that it compares);
-//! beside it how many have a term that is neither 0 nor 1, which no bounds could decide:
+//! Receivers decided with W = 15, in percent of those that sample a map, blocks of 4 (pixels of `umbrage render --size
+//! 640x360 --axis pcf=15 --axis filter=hpsm --what decisions`; `umbrage compare` has the same of the samples that it
+//! compares); beside it how many have a term that is neither 0 nor 1, which no bounds could decide:
 //!
 //! | scene | method | partly lit | `hpsm` | `hpsm_naive` | `min_max` | `min_max_tree` |
 //! | --- | --- | ---: | ---: | ---: | ---: | ---: |
@@ -67,7 +67,7 @@
 //! | avenue | `pssm` | 31.0 | 51.8 | 54.0 | 1.9 | 2.5 |
 //! | avenue | `basic` | 62.9 | 21.0 | 23.3 | 0.2 | 0.8 |
 //!
-//! What it saves depends on the device. Fetches are what is the same on all: of 64 a receiver at W = 15, with blocks of 8,
+//! The time saved depends on the device. Fetches are the same on all: of 64 a receiver at W = 15, with blocks of 8,
 //! `hpsm` leaves 6.9 (suzanne_spot), 14.4 (bunny_sun), 21.8 (leaves), 34.1 (avenue, `pssm`); of 16 at W = 7 2.2, 3.7, 5.5, 8.2.
 //! On Mesa's llvmpipe, a CPU, the time of building and of the shadow terms of 1280 × 720 pixels, each found once, is 0.36,
 //! 0.53, 0.65 and 0.78 of `pcf`'s at W = 15, 0.59 of the sum; at W = 7 0.81, 1.42, 1.43 and 1.55. Where objects are drawn one

@@ -1,4 +1,4 @@
-//! Which splits there are, and what each one's map holds.
+//! The splits, and what each one's map holds.
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
@@ -210,7 +210,7 @@ impl<'a> Job<'a> {
             {
                 held[0] -= self.band * (before.depths[1] - before.depths[0]);
             }
-            // Who is seen in the band alone has the map of the split before.
+            // A receiver seen in the band alone has the map of the split before.
             if seen_in(depths).is_some()
                 && let Some(seen) = seen_in(held)
             {
@@ -370,7 +370,7 @@ fn seen(frame: &Frame<'_>) -> Result<Option<[f64; 2]>, PlanError> {
 struct Slice {
     /// Where it begins and ends.
     depths: [f64; 2],
-    /// What its map holds: its beginning is in the band of the split before.
+    /// Depths that its map holds: they begin in the band of the split before.
     held: [f64; 2],
     seen: Extent,
     /// Texels along its map's side without the filter's margins.

@@ -1,4 +1,4 @@
-//! What the shader's way to find a split's map reads.
+//! Resources that the shader's lookup of a split's map reads.
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
