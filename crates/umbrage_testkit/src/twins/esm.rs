@@ -14,12 +14,12 @@ use super::filter::Filter;
 pub(super) struct EsmTwin {
     /// Of each map.
     exponents: Vec<f64>,
-    /// What one question takes.
+    /// Fetches of one lookup.
     pub fetches: u32,
 }
 
 impl EsmTwin {
-    /// That of `plan`; none where it has no exponential maps.
+    /// The twin of `plan`; none where it has no exponential maps.
     pub(super) fn new(plan: &ShadowPlan) -> Option<Self> {
         let Value::Array(tiles) = plan.constants.get("esm_tiles")? else {
             return None;

@@ -25,7 +25,7 @@ pub struct PssmTwin {
     esm: Option<EsmTwin>,
 }
 
-/// What was chosen for the method besides its filter.
+/// Choices for the method besides its filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The axis `lookup`.
@@ -74,7 +74,7 @@ impl PssmTwin {
             Pass::Casters(pass) => Some(pass),
             _ => None,
         });
-        // What a map holds may take several passes, the first of all maps first.
+        // A map's contents may take several passes, the first of all maps first.
         let mut drawn: Vec<_> = drawn.collect();
         let first = drawn.first().map(|pass| pass.receivers)?;
         let again = drawn
@@ -259,7 +259,7 @@ impl Split {
     }
 }
 
-/// What a receiver's depth is raised by, as the shader reads it.
+/// A receiver's bias in depth, as the shader reads it.
 fn bias(crop: &Constants) -> Option<DVec2> {
     match crop.get("depth")? {
         Value::Vec4(depth) => Some(DVec2::new(depth.z.into(), depth.w.into())),
