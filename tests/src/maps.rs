@@ -22,7 +22,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// What the shader reads of where it is.
+    /// Its place, as the shader reads it.
     pub fn at(&self) -> [f32; 4] {
         [
             self.at[0],
@@ -32,7 +32,7 @@ impl Place {
         ]
     }
 
-    /// What the shader reads of its plane.
+    /// Its plane, as the shader reads it.
     pub fn plane(&self) -> [f32; 4] {
         [self.plane[0], self.plane[1], self.plane[2], 0.0]
     }
@@ -100,7 +100,7 @@ impl Maps {
                 ground
             };
             let on = depth([a, b, c], at[0], at[1]);
-            // What a method adds: a texel's lean either way, and some texels of bias.
+            // A method's bias: a texel's slope either way, and some texels of bias.
             let lean = a.abs() + b.abs();
             let raise = match random.below(8) {
                 0 => 0.0,

@@ -50,7 +50,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         let mut material = Material::plain(surface);
         material.base_color = Vec4::new(0.8, 0.7, 0.6, opacity);
         if value("pass").starts_with("shaft") {
-            // What is seen is the air alone.
+            // Air is all that is seen.
             material.base_color = Vec4::W;
         }
         material.roughness = 0.6;

@@ -211,7 +211,7 @@ fn a_filter_from_outside_edits_no_other_value() {
         .expect("a permutation");
 }
 
-/// What an axis provides is said once, so that its values mean the same whichever packages there are.
+/// An axis's provisions are said once, so that its values mean the same whichever packages there are.
 #[test]
 fn two_packages_cannot_say_what_an_axis_provides() {
     let axes = r#"(axes: { "method": (provides: ["tiles"], values: {}) })"#;

@@ -1,4 +1,4 @@
-//! What exponential shadow maps are known for, on a device and against closed forms: they are percentage-closer filtering
+//! Known traits of exponential shadow maps, on a device and against closed forms: they are percentage-closer filtering
 //! where all occluders lie in front of the receiver, they leak at contacts, and two kinds of scenes break them.
 //!
 //! The scenes are level sheets, seen from below, under a light from straight above: a sheet's height is its distance.
