@@ -18,7 +18,7 @@
 //! hides how the parts meet.
 //!
 //! **The shader half** implements `interface::shadow`: a function of the interface's name and signature.
-//! What it reads beyond its argument it declares; the numbers come from the Rust half, by name. Positions
+//! Whatever it reads beyond its argument it declares; the numbers come from the Rust half, by name. Positions
 //! are relative to the camera, so a height must be, too:
 //!
 //! ```wgsl
