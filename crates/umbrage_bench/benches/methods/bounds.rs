@@ -41,7 +41,7 @@ struct Figures {
     over_pcf: f64,
     /// The same of objects drawn one after another.
     forward: Forward,
-    /// Of the receivers that ask a map, the mean and shares.
+    /// Of the receivers that sample a map, the mean and shares.
     fetches: f64,
     lit_by_depth: f64,
     lit_by_plane: f64,
