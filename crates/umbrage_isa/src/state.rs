@@ -7,8 +7,8 @@ use wgpu_types::{
 };
 
 /// How a pass draws: triangles, one sample a pixel. Vertex attributes and bindings are not said here: they
-/// follow from the permutation. Stencil and depth bias change nothing in a shader, and are left out. What is
-/// written where no target is, the compiler leaves out, with all that it was computed from.
+/// follow from the permutation. Stencil and depth bias change nothing in a shader, and are left out. An output
+/// without a target the compiler leaves out, with all that it was computed from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PipelineState {
     /// The colour targets, by the locations that the fragment stage writes; none where one is skipped.
