@@ -106,7 +106,7 @@ impl Config {
         Self::of_each(methods, registry, &known, varied)
     }
 
-    /// Those of `known` that are of each of `methods`; what `otherwise` has of a method with none.
+    /// The configurations of `known` for each of `methods`; what `otherwise` has of a method with none.
     pub(crate) fn of_each(
         methods: &[String],
         registry: &Registry,

@@ -12,7 +12,7 @@ use crate::{Config, StudyError};
 /// The limits of all hard cases, and the variants of methods that are held to them.
 ///
 /// A variant meets a case where it meets each of its limits: those of `every`, those of the case's
-/// `any`, which stand in their place, and its own under `methods`. What it cannot meet is listed
+/// `any`, which stand in their place, and its own under `methods`. A limit that it cannot meet is listed
 /// under `exceptions` with the reason; its own limit then says how far it may go.
 ///
 /// A limit that a variant cannot meet by its nature is said once: its own limits `throughout` stand in the place of all that

@@ -65,8 +65,8 @@ impl Surface {
         })
     }
 
-    /// Whether the light, were it to arrive, would come from behind the side that is seen.
-    pub(super) fn turned_away(&self, light: &Light) -> Vec<bool> {
+    /// Whether the side that is seen is back-facing: the light, were it to arrive, would come from behind it.
+    pub(super) fn back_facing(&self, light: &Light) -> Vec<bool> {
         let lamp = Lamp::new(&light.kind, self.view.position);
         let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).direction) < 0.0;
         let facets = self.facets.iter();

@@ -138,7 +138,7 @@ pub struct Row {
     pub fetches_per_pixel: f64,
     /// The share of the compared pixels that take so many fetches, by their number.
     pub fetch_shares: BTreeMap<u32, f64>,
-    /// How often its filter is spared; none where its filter always runs, or no compared pixel asks a map.
+    /// How often its filter is spared; none where its filter always runs, or no compared pixel samples a map.
     pub decided: Option<Decided>,
     /// Figures of a GPU's compiler for the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
@@ -156,8 +156,8 @@ impl Row {
     }
 }
 
-/// How the receivers' light was found, as shares of those compared pixels that ask a map, pooled over the lights, 0 to 1;
-/// they add up to 1.
+/// How the receivers' shadow terms were found, as shares of those compared pixels that sample a map, pooled over the
+/// lights, 0 to 1; they add up to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Decided {
     /// Lit at once, as no depth around is greater.

@@ -165,7 +165,7 @@ fn draw_axes<'a>(
     Ok((placed, front))
 }
 
-/// The front as a line: from the top down to the cheapest, then by steps to the end of the axis. What lies
+/// The front as a line: from the top down to the cheapest, then by steps to the end of the axis. A row
 /// above and to the right of it is beaten.
 fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Corners {
     use plotters::coord::ranged1d::Ranged;

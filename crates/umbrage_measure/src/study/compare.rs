@@ -41,7 +41,7 @@ pub struct Comparison {
 
 /// Draws each of `scenes` (a name and a scene) with each of `configs`, and measures error and cost.
 ///
-/// `compiler` tells what a GPU would make of the shaders; without one, the report says why. What a configuration
+/// `compiler` tells what a GPU would make of the shaders; without one, the report says why. A picture that a configuration
 /// cannot draw (a light that its method cannot shadow, a map that the device
 /// refuses) is listed in the report with the reason, and the rest goes on.
 ///

@@ -11,7 +11,7 @@ use crate::report::Decided;
 
 impl Lab {
     /// How `config`, which takes so many `fetches` a compared pixel, finds the terms of `subject`: in shares, and in the
-    /// colours of [`Decision::color`]. None where it always filters, or nothing that is compared asks a map.
+    /// colours of [`Decision::color`]. None where it always filters, or nothing that is compared samples a map.
     pub(super) fn decided(
         &mut self,
         subject: &Subject<'_>,
