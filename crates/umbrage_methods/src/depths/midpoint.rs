@@ -1,6 +1,6 @@
 //! Midpoint shadow maps (Woo 1992, "The Shadow Depth Map Revisited"): a map holds a depth *inside* what casts, between
-//! the nearest face that is turned to the light and the nearest that is turned away. What is lit then has half
-//! of a body's thickness between itself and its own map, whatever the slope and the resolution; and so has what the body
+//! the nearest face that is turned to the light and the nearest back-facing one. A lit surface then has half of
+//! a body's thickness between itself and its own map, whatever the slope and the resolution; and so has what the body
 //! stands on, on the other side. Values of the axis `depth`, for any method with tiles and any filter. The shader half
 //! is `depths/midpoint.wesl`.
 //!
@@ -25,7 +25,8 @@
 //!   get is what receivers get with `nearest`: their shadows are the same.
 //!
 //! So the map holds the bias, and receivers are compared at their own depth, but for what a filter asks of any map: the
-//! depth compared follows the receiver's plane, and each fetch's leans a texel over it, as in [`crate::methods::basic`].
+//! depth compared follows the receiver's plane, and each fetch's is biased by a texel's slope besides, as in
+//! [`crate::methods::basic`].
 //!
 //! `bias` is the setting `depth_bias`, and what rounding may be. The other two follow from what a surface needs against
 //! its own map, in texels' widths:
@@ -35,10 +36,10 @@
 //! | `plane` | 1/16, and rounding | 1.5 |
 //! | `constant` | `bias` | 19 · (W + 1) / 2 |
 //!
-//! A plane that is followed needs only room for rounding: a fetch leans far enough to cover the rasteriser's grid as
-//! well (`slope.rs`). For the rest, facets steeper than the plane that is followed, the default `depth_bias` of 1.5 is
-//! enough (see [`crate::methods::basic`]). A deeper map would prevent no more acne, but let in light; so no caster is held
-//! deeper than `nearest` with its default would have it, and thinner casters are held less deep. Where no plane is
+//! A plane that is followed needs only room for rounding: a fetch's slope bias is large enough to cover the rasteriser's
+//! grid as well (`slope.rs`). For the rest, facets steeper than the plane that is followed, the default `depth_bias` of
+//! 1.5 is enough (see [`crate::methods::basic`]). A deeper map would prevent no more acne, but let in light; so no caster
+//! is held deeper than `nearest` with its default would have it, and thinner casters are held less deep. Where no plane is
 //! followed, only the middle prevents acne on a slope: up to 19 over the (W + 1) / 2 texels that the filter reaches.
 //!
 //! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth

@@ -14,7 +14,7 @@
 //! - `min_max`: the least and the greatest depth alone.
 //! - `hpsm_naive`: planes of the blocks themselves. The filter's footprint lies over several, and all are fetched.
 //! - `min_max_tree`: the least and the greatest depth of squares of texels, and of squares of those, and so on (Dmitriev and
-//!   Uralsky 2007, "Soft Shadows Using Hierarchical Min-Max Shadow Maps"): large ones are asked first, smaller ones where
+//!   Uralsky 2007, "Soft Shadows Using Hierarchical Min-Max Shadow Maps"): large ones are read first, smaller ones where
 //!   those leave it open.
 //!
 //! # Planes in texels
@@ -29,7 +29,7 @@
 //! are t + e, each coordinate of e within one texel. With the slopes s of the receiver and g of the slab, what the two
 //! differ by changes from tap to tap by no more than |s − g| · (W − 1) / 2 + |g|, slopes measured as |x| + |y|. So the
 //! receiver is lit if, at its own place, its depth is that much above the slab's near plane, and in shadow if it is that
-//! much below the far one. On its own surface (s = g) what is left is the bias: a tap's depth is raised by |s| already.
+//! much below the far one. On its own surface (s = g) what is left is the bias: a tap's depth is biased by |s| already.
 //! The rest is rounding: a 64th of a texel for places, 2⁻²¹ of the depths for a dozen operations in f32. An empty
 //! texel, 0, counts as infinitely far: it shades nothing, and no receiver is behind it.
 //!
@@ -75,7 +75,7 @@
 //! neighbour as well, and those left open lie where triangles are small (`cargo bench --profile dev -p umbrage_bench --bench methods`). Of `pcf`'s
 //! 70 ms in bunny_sun, building takes 9, 10 are for all but the filter, and the rest for receivers left open, and for rows of
 //! the filter that no receiver takes: a branch there is a mask and no jump. At W = 7 `pcf` takes 20 ms, and
-//! building alone 12. What no bounds could spare, the partly lit, would by itself leave 0.06, 0.12, 0.28 and 0.32 of the fetches.
+//! building alone 12. The partly lit, which no bounds spare, would by themselves leave 0.06, 0.12, 0.28 and 0.32 of the fetches.
 //!
 //! The least and the greatest depth decide next to nothing: a receiver on a slope is between the two in its own block,
 //! whatever its bias.

@@ -105,17 +105,17 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
                 (*position - point).normalize()
             }
         };
-        let turned_away = normal.dot(to_light) <= 0.0;
+        let back_facing = normal.dot(to_light) <= 0.0;
         let facing = normal.dot(to_light).abs();
         let slope = (1.0 - facing * facing).sqrt() / facing;
-        if !turned_away {
+        if !back_facing {
             let lit = twin.calc_shadow(point, normal, depth(0.0));
             assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
         }
         // A fetch lies at most a slope's texel above the plane on each axis, and the plane's texels as
         // much below it; the part of the slope that is not followed differs over the whole filter, so the map is read a
-        // step aside. A plane that is turned away is followed nowhere.
-        let left = if turned_away {
+        // step aside. A back-facing plane is followed nowhere.
+        let left = if back_facing {
             1.0
         } else {
             (1.0 - STEEPEST / slope).max(0.0)

@@ -60,8 +60,8 @@ pub(super) struct Split {
     /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
     pub scale: DVec3,
     pub offset: DVec3,
-    /// A receiver's depth d is raised by x + y · d.
-    pub raise: DVec2,
+    /// A receiver's depth d is biased towards the light by x + y · d.
+    pub receiver_bias: DVec2,
     pub bias: Bias,
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
@@ -341,7 +341,7 @@ impl<'a> Job<'a> {
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
-            raise: self.frame.receiver_bias(&bias)?,
+            receiver_bias: self.frame.receiver_bias(&bias)?,
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,
