@@ -5,7 +5,7 @@
 //! each light, the texture fetches that it takes, or the triangle that is seen. A shaded picture comes
 //! about so:
 //!
-//! 1. What the camera may see is found, and for each light what of it the light may reach.
+//! 1. The objects that the camera may see are found, and for each light those of them that it may reach.
 //! 2. For each light that has a shadow method, the method plans, and the plan is executed: casters
 //!    into shadow maps.
 //! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up, or

@@ -47,12 +47,12 @@ pub enum Picture {
     },
 }
 
-/// How a pixel's shadow term was found: what the filter that was asked last noted of it, in the shader library's
+/// How a pixel's shadow term was found: what the filter that sampled last noted of it, in the shader library's
 /// `common/decision.wesl`.
 #[derive(serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[serde(rename_all = "snake_case")]
 pub enum Decision {
-    /// No map was asked, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
+    /// No map was sampled, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
     /// all maps.
     #[default]
     Unasked,
@@ -147,7 +147,7 @@ pub struct Report {
     /// one](crate::Gpu::has_timestamps), else empty.
     pub times: Vec<PassTime>,
     /// Wall-clock time from submitting the passes to their end, uploads of what is new among them, over
-    /// all submissions (a shadow term's or a fetch count's are one a light); milliseconds. What there is
+    /// all submissions (a shadow term's or a fetch count's are one a light); milliseconds. The figure
     /// to go by where passes cannot be timed.
     pub gpu_milliseconds: f64,
     /// Wall-clock time from the scene to the pixels in memory; milliseconds.
@@ -229,7 +229,7 @@ impl Picture {
     /// or tone mapping and encoded as sRGB; a shadow term as grey, the product over the lights, not
     /// encoded: code 255 is lit; triangles each in a colour of its own, black where there is none;
     /// fetches as grey, the sum over the lights, code 255 for the most in the picture; decisions in false colours, the
-    /// mean over the lights: black where no map was asked, red where it was filtered, yellow where the term was light
+    /// mean over the lights: black where no map was sampled, red where it was filtered, yellow where the term was light
     /// at once and blue where it was shadow, the darker ones by planes; splits as a shaded picture that each has a hue
     /// of its own in, by the first light that has some.
     pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
