@@ -9,7 +9,7 @@ use umbrage_shadow::{ShadowPlan, Value};
 
 use super::filter::Filter;
 
-/// How the maps of a plan are asked.
+/// How the maps of a plan are sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EsmTwin {
     /// Of each map.

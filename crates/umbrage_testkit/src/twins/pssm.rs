@@ -98,7 +98,7 @@ impl PssmTwin {
             splits: splits.collect::<Option<_>>()?,
             forward: forward.as_dvec3(),
             width,
-            // Exponential maps are asked about a point.
+            // Exponential maps are sampled for a point.
             receiver_plane: receiver_plane && esm.is_none(),
             choice,
             esm,
@@ -206,19 +206,19 @@ impl PssmTwin {
         else {
             return 1.0;
         };
-        let lean = (1.0 + ASTRAY) * slope.abs().element_sum();
-        let depth = at.z + split.bias.x + split.bias.y * at.z + lean;
+        let slope_bias = (1.0 + ASTRAY) * slope.abs().element_sum();
+        let depth = at.z + split.bias.x + split.bias.y * at.z + slope_bias;
         let filter = Filter {
             width: self.width_of(number),
             size: split.size,
         };
         let depth_at = |x, y| depth_at(number, x, y);
-        let asked = at.truncate() + reach(filter.width) * aside;
-        let asked = asked.clamp(DVec2::ZERO, DVec2::splat(f64::from(split.size)));
+        let place = at.truncate() + reach(filter.width) * aside;
+        let place = place.clamp(DVec2::ZERO, DVec2::splat(f64::from(split.size)));
         if let Some(esm) = &self.esm {
-            return esm.lit(number, filter, (asked, depth), to_map, depth_at);
+            return esm.lit(number, filter, (place, depth), to_map, depth_at);
         }
-        filter.lit(asked, depth, slope, depth_at)
+        filter.lit(place, depth, slope, depth_at)
     }
 }
 
