@@ -38,7 +38,7 @@ pub struct Oracle<'a> {
     bounded: bool,
     /// Depths that maps hold, where it is not the nearest depth.
     midpoint: Option<MidpointTwin>,
-    /// The least and greatest depth of the map's texels that were asked for.
+    /// The least and greatest depth of the map's texels that were sampled.
     texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
 

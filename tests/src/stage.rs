@@ -1,5 +1,5 @@
 //! The scene that a key's permutation is drawn in: small, with a caster of each kind, and lit from
-//! where its shadows cross each other and lean steeply.
+//! where its shadows cross each other and slant steeply.
 
 use std::{collections::BTreeMap, sync::Arc};
 

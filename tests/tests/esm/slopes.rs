@@ -1,7 +1,7 @@
 //! Effect of a slope: where a receiver's distance from the light grows by a share s of the range a texel, its term is
 //! multiplied by sinh(x) / x, x = k s W / 2, whatever else makes it, be it light, a leak, or what lies behind.
 //!
-//! Sheets are parallel, and steep along x, for the light is tilted or they are. What they hold changes at a line of
+//! Sheets are parallel, and steep along x, for the light is tilted or they are. A map's contents change at a line of
 //! equal distance, so that a window has the same slope on both sides of it.
 
 use glam::{DMat4, DVec2, DVec3};
