@@ -91,9 +91,9 @@ fn shares(decisions: impl Iterator<Item = Decision>) -> Option<Decided> {
         shadowed_by_depth,
         shadowed_by_plane,
     ] = counts;
-    let asked: u64 = counts.iter().skip(1).sum();
-    let share = |count: u64| count as f64 / asked as f64;
-    (asked > 0).then(|| Decided {
+    let sampled: u64 = counts.iter().skip(1).sum();
+    let share = |count: u64| count as f64 / sampled as f64;
+    (sampled > 0).then(|| Decided {
         lit_by_depth: share(lit_by_depth),
         lit_by_plane: share(lit_by_plane),
         shadowed_by_depth: share(shadowed_by_depth),
