@@ -22,8 +22,8 @@ const STEPS: u32 = 16;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
-/// The axes of shadow methods, which an unshadowed picture has none of; but for the bias, whatever is chosen of which
-/// the air is asked without a plane.
+/// The axes of shadow methods, which an unshadowed picture has none of; but for the bias, as the air is sampled without a
+/// plane whatever is chosen of it.
 const SHADOW_AXES: [&str; 8] = [
     "block",
     "depth",

@@ -182,10 +182,10 @@ fn count(
     let pairs = own.iter().zip(&whole);
     let decisions = decisions.concat();
     let number = |wanted| decisions.iter().filter(|found| **found == wanted).count() as f64;
-    let asked = decisions.len() as f64 - number(Decision::Unasked);
-    let share = |wanted| number(wanted) / asked.max(1.0);
+    let sampled = decisions.len() as f64 - number(Decision::Unasked);
+    let share = |wanted| number(wanted) / sampled.max(1.0);
     Ok(Figures {
-        fetches: fetches.concat().iter().copied().map(f64::from).sum::<f64>() / asked.max(1.0),
+        fetches: fetches.concat().iter().copied().map(f64::from).sum::<f64>() / sampled.max(1.0),
         lit_by_depth: share(Decision::LitByDepth),
         lit_by_plane: share(Decision::LitByPlane),
         shadowed_by_depth: share(Decision::ShadowedByDepth),
