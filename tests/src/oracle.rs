@@ -321,7 +321,7 @@ impl<'a> Oracle<'a> {
         Pixel::Term(dark.into(), lit.into())
     }
 
-    /// Object that the pixel sees, and where (metres, relative to the camera).
+    /// Hit of the ray through the pixel, and where it is (metres, relative to the camera).
     pub(crate) fn see(
         &self,
         x: u32,

@@ -216,7 +216,7 @@ impl Studio {
         stage(library, &key, resolution)
     }
 
-    /// The oracle's sight, which is the same for all keys that differ in what it does not know.
+    /// The pixels as the oracle sees them, the same for all keys that differ in what it does not know.
     fn expected(&mut self, key: &Key, drawn: &Stage) -> Vec<Pixel> {
         let axes = self.composer.library().axes();
         let known = [

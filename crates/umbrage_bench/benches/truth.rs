@@ -79,7 +79,7 @@ fn measure(scene: &Scene) -> Result<Row, Box<dyn Error>> {
     })
 }
 
-/// Linux's figure of the process's high-water mark.
+/// The process's high-water mark, by Linux.
 fn peak_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

@@ -58,7 +58,7 @@ pub struct Location {
 pub struct Fault {
     /// Kind of fault.
     pub cause: Cause,
-    /// Statement of the fault, as a lowercase fragment.
+    /// Message, as a lowercase fragment.
     pub message: String,
     /// Where: the fault's own place first.
     pub locations: Vec<Location>,

@@ -61,7 +61,7 @@ pub enum RenderError {
         place: String,
         /// The axis.
         axis: String,
-        /// Statement of the fault.
+        /// The problem.
         problem: String,
     },
     /// A method cannot shadow a light.
@@ -92,7 +92,7 @@ pub enum RenderError {
     Mesh {
         /// The object.
         object: String,
-        /// Statement of the fault.
+        /// The problem.
         problem: String,
     },
     /// The picture cannot be written.

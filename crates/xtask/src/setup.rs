@@ -11,9 +11,9 @@ use crate::run::{
 
 /// Something that a machine may lack, and the packages that have it.
 struct Missing {
-    /// Name of the lacking thing.
+    /// Name of what is missing.
     what: &'static str,
-    /// Name of the thing that is installed instead of asking.
+    /// Name of what is installed instead of asking.
     name: &'static str,
     /// Debian's packages of it.
     packages: &'static [&'static str],
@@ -136,7 +136,7 @@ fn ensure_compiler(there: impl Fn() -> bool) -> Result<()> {
     Ok(())
 }
 
-/// Command that a build compiles C++ by.
+/// Command by which a build compiles C++.
 fn compiler() -> String {
     let named = std::env::var("CXX").unwrap_or_default();
     // Flags may follow it.

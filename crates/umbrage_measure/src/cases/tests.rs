@@ -21,7 +21,7 @@ pub(super) fn look(case: &Case) -> (Tracer, Sight) {
     (tracer, sight)
 }
 
-/// Sights of the pixels and their shadow terms, where a light reaches; the lights' one after another.
+/// Points that the pixels see and their shadow terms, where a light reaches; the lights' one after another.
 pub(super) fn samples(case: &Case) -> Vec<(Seen, f32)> {
     let (tracer, sight) = look(case);
     let of_light = |light| {

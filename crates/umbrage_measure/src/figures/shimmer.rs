@@ -19,9 +19,9 @@ use crate::truth::Sight;
 pub struct Frame<'a> {
     /// The scene, which the frames share but for the camera.
     pub scene: &'a Scene,
-    /// Sight of each pixel.
+    /// Points that the pixels see.
     pub sight: &'a Sight,
-    /// The rasteriser's sight there: the object and its triangle.
+    /// Object and triangle that the rasteriser drew in each pixel.
     pub raster: &'a [Option<(u32, u32)>],
     /// The shadow terms of each light; as many in every frame.
     pub lights: Vec<Terms<'a>>,

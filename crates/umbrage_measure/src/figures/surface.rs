@@ -9,7 +9,7 @@ use umbrage_shadow::{Light, View};
 use super::FigureError;
 use crate::truth::{Seen, Sight, lamp::Lamp};
 
-/// Sight of each pixel, with the triangle's plane.
+/// Points that the pixels see, with their triangles' planes.
 pub(super) struct Surface {
     pub(super) width: usize,
     pub(super) height: usize,

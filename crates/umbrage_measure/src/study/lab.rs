@@ -28,7 +28,7 @@ pub struct Lab {
 pub(super) struct Subject<'a> {
     pub(super) scene: &'a Scene,
     pub(super) truth: &'a Truth,
-    /// The rasteriser's sight in each pixel: an object and a triangle.
+    /// Object and triangle that the rasteriser drew in each pixel.
     pub(super) raster: Vec<Option<(u32, u32)>>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Subject<'a> {
 pub(super) struct Unshadowed {
     /// In no light but the ambient.
     ambient: Vec<[f32; 3]>,
-    /// Light that each light adds.
+    /// Radiance that each light adds.
     lights: Vec<Vec<[f32; 3]>>,
 }
 

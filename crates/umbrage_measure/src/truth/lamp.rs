@@ -1,4 +1,4 @@
-//! Part of a light that a point asks for.
+//! A light as a point sees it.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

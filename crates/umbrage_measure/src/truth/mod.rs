@@ -40,7 +40,7 @@ pub struct Tracer {
     camera: umbrage_render::Camera,
 }
 
-/// Sight of each pixel of a picture.
+/// Points that the pixels of a picture see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sight {
     width: u32,
@@ -48,7 +48,7 @@ pub struct Sight {
     seen: Vec<Option<Seen>>,
 }
 
-/// Sight of a pixel.
+/// A point that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Seen {
     /// The object, by its place in [`Scene::objects`].
@@ -85,7 +85,7 @@ impl Sight {
         self.height
     }
 
-    /// Sight of each pixel, by rows from the top.
+    /// Points that the pixels see, by rows from the top.
     pub fn seen(&self) -> &[Option<Seen>] {
         &self.seen
     }
@@ -244,7 +244,7 @@ impl Tracer {
         Ok(Lamp::new(&light.kind, self.camera.position))
     }
 
-    /// Findings for each pixel that sees something, given its number; row by row.
+    /// Finds a value for each pixel that sees something, given its number; row by row.
     fn each<T: Copy + Send>(
         &self,
         sight: &Sight,
@@ -270,7 +270,7 @@ impl Tracer {
         Ok(found)
     }
 
-    /// Sight at a place in the picture: from −1 to 1, right and down.
+    /// Point seen at a place in the picture: from −1 to 1, right and down.
     fn see(&self, view: &View, across: f64, down: f64) -> Option<Seen> {
         let Projection { near, far, .. } = view.projection;
         let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(across, -down);

@@ -25,7 +25,7 @@
 //! 4 of these bytes are a row's means, which a width of 1 does without. With `esm` the hardware filters floats of 32
 //! bits, which WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the
 //! baseline. A compute shader cannot write half floats there: those of `esm_half` are computed in full ones, 4 bytes, and
-//! rounded by a full-screen pass for each map, `esm_round`. It saves time of a pixel's fetch.
+//! rounded by a full-screen pass for each map, `esm_round`. It saves time in a pixel's fetch.
 //!
 //! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln
 //! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers, each of them twice (see below), must fit (ln 30 = 3.40) and

@@ -18,7 +18,7 @@ struct Entry<'a> {
     object: &'a Object,
     /// Its place in the scene.
     index: usize,
-    /// Common to the instances of one draw: mesh, material, and whether the transform mirrors.
+    /// Key that the instances of one draw share: mesh, material, and whether the transform mirrors.
     batch: (usize, usize, bool),
     model: Mat4,
     normal: Mat4,

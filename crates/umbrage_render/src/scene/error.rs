@@ -33,7 +33,7 @@ pub enum SceneError {
         path: PathBuf,
         /// Where in it, such as `lights[1].range`.
         place: String,
-        /// Statement of the fault.
+        /// The problem.
         problem: String,
         /// Remedy.
         remedy: String,

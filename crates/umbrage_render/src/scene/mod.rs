@@ -32,7 +32,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Lights of the scene.
     pub lights: Vec<SceneLight>,
-    /// Camera that looks.
+    /// The camera.
     pub camera: Camera,
     /// Light from everywhere, as the radiance of a white surface in it; linear RGB.
     pub ambient: Vec3,
@@ -98,13 +98,13 @@ pub struct Material {
 pub struct Texture {
     /// The picture.
     pub image: Arc<Image>,
-    /// Continuation beside the picture, across and down.
+    /// How the picture goes on beside its edges, across and down.
     pub wrap: [Wrap; 2],
     /// Whether texels are blended rather than shown as squares.
     pub smooth: bool,
 }
 
-/// Continuation beside a texture.
+/// How a texture goes on beside its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture again.

@@ -16,7 +16,7 @@ fn sound() -> Scene {
     scene(vec![floor], LightKind::Directional { direction }, camera)
 }
 
-/// Words about the sound scene after a change.
+/// Message about the sound scene after a change.
 fn said(change: impl FnOnce(&mut Scene)) -> String {
     let mut scene = sound();
     change(&mut scene);
