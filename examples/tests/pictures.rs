@@ -40,7 +40,7 @@ fn scenes() -> BTreeSet<String> {
     scenes
 }
 
-/// What is compared: for each scene its own picture, and a map's splits where there is most to see of them.
+/// Pictures compared: for each scene its own, and a map's splits where there is most to see of them.
 fn pictures() -> Vec<(String, String, What)> {
     let scenes = scenes().into_iter();
     let shaded = scenes.map(|name| (name.clone(), name, What::Shaded));

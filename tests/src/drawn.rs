@@ -1,4 +1,4 @@
-//! Permutations to draw, and to ask other compilers about.
+//! Permutations to draw, and to give to other compilers.
 
 use std::{collections::BTreeSet, error::Error, path::Path, sync::Arc};
 
@@ -102,7 +102,7 @@ fn scenes() -> Result<Vec<(String, Scene)>, Box<dyn Error>> {
     paths.iter().map(|path| scene(path)).collect()
 }
 
-/// `keys`, and beside each that asks a shadow map the same for each other depth that the map may hold: what other passes
+/// `keys`, and beside each that samples a shadow map the same for each other depth that the map may hold: what other passes
 /// draw, and no part of the permutation.
 ///
 /// # Errors

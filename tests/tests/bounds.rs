@@ -1,4 +1,4 @@
-//! What the bounds of blocks decide is what the whole filter finds: maps and receivers of all kinds, made up, read by the
+//! Decisions by the bounds of blocks are what the whole filter finds: maps and receivers of all kinds, made up, read by the
 //! shaders themselves, and judged by the comparison's own definition in f64. Not one pixel may differ.
 #![allow(
     clippy::panic,

@@ -78,7 +78,7 @@ pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<Str
     Ok(names)
 }
 
-/// What was typed, without the way to this program.
+/// The command as typed, without the way to this program.
 fn command_line() -> String {
     let mut words = std::env::args();
     let program = words.next().unwrap_or_default();

@@ -18,7 +18,7 @@ use crate::{
     output::{check_picture, print_json, waiting},
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report<'a> {
     picture: &'a Path,

@@ -21,7 +21,7 @@ use crate::{
     output::{Bars, print, print_json},
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report<'a> {
     adapter: &'a str,

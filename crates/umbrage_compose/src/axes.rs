@@ -20,7 +20,7 @@ pub struct Axes {
 pub struct Axis {
     /// Its name.
     pub name: String,
-    /// What is chosen.
+    /// Description of the choice.
     pub doc: String,
     /// The value where a key says nothing; none where it must say.
     pub default: Option<String>,
@@ -43,7 +43,7 @@ impl Axis {
     }
 }
 
-/// What a value asks of the linker. Modules are named by their package and path.
+/// Demands of a value on the linker. Modules are named by their package and path.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effect {
     pub(crate) root: Option<String>,
@@ -78,7 +78,7 @@ impl CountFetches {
     }
 }
 
-/// What a value asks of the linker, by the numbers of a library's modules and features.
+/// Demands of a value on the linker, by the numbers of a library's modules and features.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct EffectNumbers {
     pub(crate) root: Option<usize>,
@@ -132,14 +132,14 @@ impl Axes {
         effects.flat_map(|effect| effect.features.iter().map(String::as_str))
     }
 
-    /// What every value of every axis asks for.
+    /// Effects of every value of every axis.
     pub(crate) fn effects_mut(&mut self) -> impl Iterator<Item = &mut Effect> {
         self.axes
             .values_mut()
             .flat_map(|axis| axis.values.values_mut())
     }
 
-    /// What `key` asks of the linker, axis by axis.
+    /// Effects of `key` on the linker, axis by axis.
     pub(crate) fn effects<'a>(
         &'a self,
         key: &'a Key,

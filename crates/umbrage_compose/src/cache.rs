@@ -1,6 +1,6 @@
 //! The disk cache: permutations by the hash of all that they depend on, in a [`Store`].
 //!
-//! What is read must be of the key that was asked for, and its module must pass the validator.
+//! An entry read must be of the key that was asked for, and its module must pass the validator.
 
 use std::{path::PathBuf, sync::OnceLock};
 
@@ -72,7 +72,7 @@ impl DiskCache {
         part(&[u8::from(target.has_vertex_writes())]);
         for (key, found) in keys.iter().zip(dependencies) {
             part(key.to_string().as_bytes());
-            // What the choices ask of the linker may change with the axes, and the key stay the same.
+            // The choices' demands on the linker may change with the axes, and the key stay the same.
             for (axis, effect) in library.axes().effects(key) {
                 part(axis.name.as_bytes());
                 let asked = (

@@ -54,7 +54,7 @@ struct PackageEntry {
     groups: BTreeMap<u32, u32>,
 }
 
-/// What a key asks of the linker, with modules as numbers.
+/// Demands of a key on the linker, with modules as numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Request {
     pub(crate) root: usize,
@@ -63,7 +63,7 @@ pub(crate) struct Request {
     /// Interfaces and the modules that implement them.
     pub(crate) bindings: BTreeMap<usize, usize>,
     pub(crate) features: Bits,
-    /// What is to be called before each texture fetch.
+    /// Functions to be called before each texture fetch.
     pub(crate) counting: Vec<Counting>,
 }
 
@@ -370,7 +370,7 @@ impl Library {
         (within <= self.0.sources[index].text.len()).then_some((index, within))
     }
 
-    /// What `key` asks of the linker.
+    /// Demands of `key` on the linker.
     pub(crate) fn request(&self, key: &Key) -> Result<Request, Fault> {
         let mut root = None;
         let mut request = Request::default();

@@ -37,7 +37,7 @@ pub struct Permutation {
     /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
     /// code that its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
-    /// What it asks of its host.
+    /// Its demands on its host.
     pub reflection: Reflection,
     /// Warnings about the shader: breaches that the authors' diagnostic filters make less than an error, and rules
     /// that WGSL does not have.

@@ -11,7 +11,7 @@ use crate::{
     library::Request, prepare::Prepared,
 };
 
-/// What a request's permutation depends on.
+/// Dependencies of a request's permutation.
 #[derive(Debug, Default)]
 pub(crate) struct Dependencies {
     /// The modules that are read, in the order of their numbers.

@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::overrides::Override;
 
-/// What a permutation asks of its host.
+/// Demands of a permutation on its host.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflection {
     /// The entry points, in the order of the pass's module.
     pub entry_points: Vec<EntryPoint>,
-    /// What is to be bound, by group and binding number.
+    /// Resources to be bound, by group and binding number.
     pub bindings: Vec<Binding>,
     /// The overrides that a host may set, sorted by name.
     pub overrides: Vec<Override>,
@@ -75,7 +75,7 @@ pub struct VertexInput {
     pub name: String,
     /// How many components, 1 to 4.
     pub components: u32,
-    /// What each component is.
+    /// Scalar type of each component.
     pub scalar: Scalar,
 }
 
@@ -109,11 +109,11 @@ pub struct Binding {
     pub instance: usize,
     /// The stages that use it.
     pub stages: Vec<Stage>,
-    /// What it is.
+    /// Kind of resource.
     pub kind: BindingKind,
 }
 
-/// What kind of resource a binding is.
+/// Kind of resource that a binding is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BindingKind {
@@ -132,7 +132,7 @@ pub enum BindingKind {
     Texture {
         /// Its shape.
         dimension: TextureDimension,
-        /// What it holds.
+        /// Kind of its contents.
         sample: TextureSample,
         /// Whether a texel has several samples.
         multisampled: bool,
@@ -189,7 +189,7 @@ pub enum TextureDimension {
     D3,
 }
 
-/// What a texture holds.
+/// Kind of a texture's contents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureSample {
@@ -221,7 +221,7 @@ pub struct Member {
     pub offset: u32,
     /// Bytes that it fills.
     pub size: u32,
-    /// What it is.
+    /// Type of the member.
     pub ty: MemberType,
 }
 

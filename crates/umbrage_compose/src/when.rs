@@ -1,4 +1,4 @@
-//! Which keys something is said of, in files that others than manifests read.
+//! Sets of keys that something is said of, in files other than manifests.
 
 use std::{collections::BTreeMap, fmt, ops::Range};
 

@@ -361,7 +361,7 @@ fn what_is_not_needed_is_not_there() {
             .wgsl()
             .expect("WGSL")
     };
-    // What the pass notes for methods is gone where none asks for it, derivatives and all.
+    // The pass's notes for methods are gone where none asks for them, derivatives and all.
     let unshadowed = text(&[("pass", "shadow_term")]);
     assert!(
         !unshadowed.contains("note_receiver") && !unshadowed.contains("dpdx"),

@@ -170,7 +170,7 @@ fn each_key_is_called_in_turn_and_the_rest_is_there_once() -> Result<(), Error> 
     Ok(())
 }
 
-/// What one key reads of the pass is noted, whichever key it is.
+/// Notes of the pass that one key reads are kept, whichever key it is.
 #[test]
 fn what_any_key_reads_is_kept() -> Result<(), Error> {
     let text = |keys: &[&str]| all(keys)?.wgsl();
@@ -210,7 +210,7 @@ fn one_key_is_its_own_permutation() -> Result<(), Error> {
     let one = composer.compose(&keys[0])?.permutation;
     let all = composer.compose_all(&keys)?.permutation;
     assert!(std::sync::Arc::ptr_eq(&one, &all));
-    // What calls nothing in turn makes the same text.
+    // A pass that calls nothing in turn makes the same text.
     let plain = composer.library().parse_key("pass=one,light=lamp")?;
     assert_eq!(composer.compose(&plain)?.permutation.wgsl()?, one.wgsl()?);
     Ok(())

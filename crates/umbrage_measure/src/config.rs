@@ -91,7 +91,7 @@ impl Config {
         Ok(configs)
     }
 
-    /// What is worth comparing of `methods`: the project's own choice for its own methods; for any other its
+    /// Configurations of `methods` worth comparing: the project's own choice for its own methods; for any other its
     /// defaults, and each of its axes' values by itself.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl Config {
         Self::of_each(methods, registry, &known, varied)
     }
 
-    /// Those of `known` that are of each of `methods`; what `otherwise` has of a method with none.
+    /// The configurations of `known` for each of `methods`; what `otherwise` has of a method with none.
     pub(crate) fn of_each(
         methods: &[String],
         registry: &Registry,
@@ -165,14 +165,14 @@ impl Config {
         format!("{} ({})", self.shadow.method, self.name)
     }
 
-    /// What a renderer is to be told.
+    /// Options for a renderer.
     pub(crate) fn options(&self, (width, height): (u32, u32)) -> RenderOptions {
         RenderOptions {
             width,
             height,
             shadow: self.shadow.clone(),
             path: self.path,
-            // What a method costs where all that casts moves.
+            // Cost of a method where all that casts moves.
             fresh: true,
             ..RenderOptions::default()
         }

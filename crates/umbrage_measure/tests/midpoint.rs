@@ -20,7 +20,7 @@ type Settings<'a> = &'a [(&'a str, f64)];
 const NEAREST: (&str, &str) = ("depth", "nearest");
 const VARIANTS: [&str; 3] = ["midpoint", "midpoint_sampled", "midpoint_two_passes"];
 
-/// Light that leans, so that no face of an upright box is on edge to it.
+/// Light that slants, so that no face of an upright box is on edge to it.
 const SUN: &str = "(kind: directional(direction: (0.55, -1, -0.4)))";
 const LAMP: &str = "(kind: spot(position: (-2.2, 4, 1.6), direction: (0.55, -1, -0.4), inner_degrees: 30, outer_degrees: 40, range: 12))";
 
@@ -120,7 +120,7 @@ fn contacts_are_closer_than_with_the_nearest_depths() {
         for depth in VARIANTS {
             let found = errors(&mut lab, &case, &[("depth", depth), ("pcf", pcf)], &[]);
             println!(
-                "{pcf} {depth}: {:.5} falsely lit ({:.5}), {:.5} detached ({:.5})",
+                "{pcf} {depth}: {:.5} falsely lit ({:.5}), {:.5} peter-panning ({:.5})",
                 found.false_lit, nearest.false_lit, found.detachment, nearest.detachment
             );
             assert!(found.detachment < nearest.detachment, "{depth}, {pcf}");

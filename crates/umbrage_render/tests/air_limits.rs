@@ -1,4 +1,4 @@
-//! What a scene's air costs, and what may be asked of it.
+//! Costs of a scene's air, and limits on what may be asked of it.
 
 mod common;
 

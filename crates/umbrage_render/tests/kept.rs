@@ -93,7 +93,7 @@ fn a_still_scene_draws_no_map() {
         };
         let shaded = renderer.render(&scene, &shaded).expect("renders");
         assert_eq!(runs(&shaded.report), [0, first], "{name}, {method}");
-        // Whoever measures has all of it drawn.
+        // A measurement has all of it drawn.
         let fresh = RenderOptions {
             fresh: true,
             ..options

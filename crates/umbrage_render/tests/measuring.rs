@@ -1,4 +1,4 @@
-//! What a renderer tells for measuring: fetches, triangles, times, passes and bytes.
+//! Figures that a renderer tells for measuring: fetches, triangles, times, passes and bytes.
 
 mod common;
 
@@ -71,7 +71,7 @@ fn basic_fetches_what_its_width_says_and_where_its_map_is() {
     }
 }
 
-/// What no light reaches takes no fetch, nor does a light without a method; and what a material fetches
+/// A surface that no light reaches takes no fetch, nor does a light without a method; and what a material fetches
 /// for its holes is not counted.
 #[test]
 fn only_a_method_fetches() {

@@ -1,4 +1,4 @@
-//! What a renderer does with scenes, options and methods, good and bad.
+//! The renderer with scenes, options and methods, good and bad.
 
 mod common;
 
@@ -348,7 +348,7 @@ fn options_that_cannot_be_met_are_refused() {
     let mut scene = two_balls();
     scene.objects[1].bounds.min.x = f64::INFINITY;
     assert!(refuse(&scene, &|_| ()).contains("object `shiny`: its box"));
-    // What went wrong leaves the renderer as good as new.
+    // A fault leaves the renderer as good as new.
     assert!(renderer.render(&good, &small(What::Shaded)).is_ok());
 }
 

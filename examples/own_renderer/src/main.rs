@@ -121,7 +121,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             constants: &light.constants(eye),
             camera_depth: None,
         };
-        // What of the light's maps does not stand yet is drawn.
+        // Draws those of the light's maps that do not stand yet.
         lit.push(executor.shadow(&mut encoder, &job, &mut blocks)?.resources);
         keys.push(library.key(shadow.choices(&light).chain([("pass", "blocks")]))?);
     }

@@ -1,4 +1,4 @@
-//! What the benchmarks of filters share: how they draw, and what they time.
+//! Ways of drawing and timing that the benchmarks of filters share.
 
 use std::{error::Error, path::Path as FilePath};
 
@@ -47,7 +47,7 @@ pub(crate) fn load(scenes: &FilePath, name: &str) -> Result<Scene, Box<dyn Error
     Ok(Scene::load(scenes.join(name).with_extension("ron"))?)
 }
 
-/// What each of `ways` takes, round by round.
+/// Time of each of `ways`, round by round.
 pub(crate) fn time<const N: usize>(
     renderer: &mut Renderer,
     scene: &Scene,

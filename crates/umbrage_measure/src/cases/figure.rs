@@ -121,7 +121,7 @@ pub(super) fn known<E: serde::de::Error>(
     found.ok_or_else(|| E::custom(unknown(what, name, known.iter().copied())))
 }
 
-/// That there is no such name, and which was meant or may be.
+/// Message that there is no such name, and which was meant or may be.
 pub(super) fn unknown<'a>(
     what: &str,
     name: &str,

@@ -13,7 +13,7 @@ use crate::figures::Figures;
 pub struct Verdict {
     /// Whether all limits are met, but for those that the variant is excepted from.
     pub passed: bool,
-    /// What it is excepted from and does not meet, with the reasons; none where it meets all.
+    /// Exceptions that it needs, with the reasons; none where it meets all.
     pub exception: Option<String>,
     /// The limits that it misses, by the figures' names.
     pub missed: Vec<Miss>,
@@ -29,7 +29,7 @@ pub struct Verdict {
 pub struct Miss {
     /// The figure's name.
     pub figure: String,
-    /// What was found; none where the figure is missing or no number.
+    /// Figure found; none where the figure is missing or no number.
     pub found: Option<f64>,
     /// The limit.
     pub limit: Limit,

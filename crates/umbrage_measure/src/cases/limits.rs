@@ -12,11 +12,11 @@ use crate::{Config, StudyError};
 /// The limits of all hard cases, and the variants of methods that are held to them.
 ///
 /// A variant meets a case where it meets each of its limits: those of `every`, those of the case's
-/// `any`, which stand in their place, and its own under `methods`. What it cannot meet is listed
+/// `any`, which stand in their place, and its own under `methods`. A limit that it cannot meet is listed
 /// under `exceptions` with the reason; its own limit then says how far it may go.
 ///
-/// What a variant cannot be by its nature it says once: its own limits `throughout` stand in the place of all
-/// that are stricter.
+/// A limit that a variant cannot meet by its nature is said once: its own limits `throughout` stand in the place of all that
+/// are stricter.
 ///
 /// A variant that is `like` another takes that one's limits and exceptions over, case by case, where it has none
 /// of its own. Each exception must be needed by each variant that has it.
@@ -30,7 +30,7 @@ pub struct Limits {
     table: Table,
 }
 
-/// What is written in the file.
+/// Contents of the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -75,7 +75,7 @@ pub(super) struct CaseLimits {
     /// For a variant, beside those for all.
     #[serde(deserialize_with = "RonFile::unique")]
     pub(super) methods: BTreeMap<String, OwnLimits>,
-    /// What a variant does not meet of the limits for all, and why.
+    /// Limits for all that a variant does not meet, and why.
     #[serde(deserialize_with = "RonFile::unique")]
     pub(super) exceptions: BTreeMap<String, Exceptions>,
 }
@@ -95,7 +95,7 @@ pub(super) struct Exceptions(
     #[serde(deserialize_with = "RonFile::unique")] pub(super) BTreeMap<Excepted, Reason>,
 );
 
-/// What a figure must not exceed, or not fall below.
+/// Bound of a figure: the most or the least that it may be.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, try_from = "WrittenLimit")]
 pub struct Limit {
@@ -105,7 +105,7 @@ pub struct Limit {
     /// The least that it may be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
-    /// What the limit follows from.
+    /// Reason for the limit.
     pub why: String,
 }
 
@@ -271,7 +271,7 @@ impl Limits {
         variants.flat_map(|(variant, own)| own.0.keys().map(|figure| (variant.as_str(), figure.0)))
     }
 
-    /// What `entries` has for `variant`.
+    /// Entry for `variant` in `entries`.
     pub(super) fn entry<'a, T>(
         &'a self,
         entries: &'a BTreeMap<String, T>,

@@ -37,9 +37,9 @@ use crate::Config;
 /// A scene that is hard to shadow.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What tables and reports call it: the kind of case, and which of it.
+    /// Name in tables and reports: the kind of case, and which of it.
     pub name: &'static str,
-    /// What is hard, in a line.
+    /// Difficulty, in a line.
     pub hard: &'static str,
     /// The scene. No light has a method; the shadows of all are measured.
     pub scene: Scene,

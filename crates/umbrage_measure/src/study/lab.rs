@@ -28,7 +28,7 @@ pub struct Lab {
 pub(super) struct Subject<'a> {
     pub(super) scene: &'a Scene,
     pub(super) truth: &'a Truth,
-    /// What the rasteriser saw in each pixel: an object and a triangle.
+    /// Object and triangle that the rasteriser drew in each pixel.
     pub(super) raster: Vec<Option<(u32, u32)>>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Subject<'a> {
 pub(super) struct Unshadowed {
     /// In no light but the ambient.
     ambient: Vec<[f32; 3]>,
-    /// What each light adds.
+    /// Radiance that each light adds.
     lights: Vec<Vec<[f32; 3]>>,
 }
 
@@ -338,7 +338,7 @@ impl Subject<'_> {
         truth
     }
 
-    /// What a report shows of a rendering: of several lights the product of their terms.
+    /// Pictures that a report shows of a rendering: of several lights the product of their terms.
     pub(super) fn pictures(
         &self,
         rendered: &Rendered,

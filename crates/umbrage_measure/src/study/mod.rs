@@ -19,7 +19,7 @@ pub use self::{
 
 /// How far a long work has come, for a progress bar.
 pub trait Progress: Sync {
-    /// What is done next, in so many steps.
+    /// Announces what is done next, in so many steps.
     fn begin(&self, what: &str, steps: usize);
     /// A step is done; called from any thread.
     fn step(&self);

@@ -1,4 +1,4 @@
-//! What the study puts together itself, against what it must come to.
+//! Figures that the study puts together itself, against what they must come to.
 
 use std::{path::Path, sync::Arc};
 
@@ -208,7 +208,7 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
     }
 }
 
-/// What makes a case is the case's; a variant that chooses otherwise is passed over, and says so.
+/// A case's own axes and settings are the case's; a variant that chooses otherwise is passed over, and says so.
 #[test]
 fn a_variant_is_tried_where_it_can_be_itself() {
     let mut lab = lab();
@@ -257,7 +257,7 @@ fn a_variant_is_tried_where_it_can_be_itself() {
     );
 }
 
-/// What no shader of a configuration can tell at once is not asked; what it can, is told as the picture has it.
+/// Decisions that no shader of a configuration can tell at once are not asked for; others are told as the picture has them.
 #[test]
 fn decisions_are_looked_for_where_filters_can_be_spared() {
     let mut lab = lab();

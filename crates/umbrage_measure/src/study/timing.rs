@@ -16,7 +16,7 @@ pub(super) fn baseline() -> Config {
     }
 }
 
-/// What the rounds of one configuration took, milliseconds.
+/// Times of one configuration's rounds, milliseconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
     /// The passes that make shadow maps and what is computed from them, and the passes that shade; empty where the adapter has no timestamps.

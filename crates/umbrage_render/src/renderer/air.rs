@@ -28,7 +28,7 @@ pub(super) struct LitAir {
     pub(super) shaded: Option<Aabb>,
 }
 
-/// What of the air `light` reaches; none where nothing of it would be seen.
+/// Part of the air that `light` reaches; none where nothing of it would be seen.
 pub(super) fn lit(shot: &Shot<'_>, light: &LightSetup<'_>) -> Option<LitAir> {
     shot.scene.medium.filter(|air| air.scattering > 0.0)?;
     let corners = shot.view.frustum_relative().corners();

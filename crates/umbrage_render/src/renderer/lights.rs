@@ -1,4 +1,4 @@
-//! What a scene and the options ask of its lights, checked.
+//! Demands of a scene and the options on its lights, checked.
 
 use std::collections::BTreeMap;
 

@@ -102,7 +102,7 @@ fn told(renderer: &mut Renderer, which: f64) -> Result<Rendered, RenderError> {
     renderer.render(&wall(), &options)
 }
 
-/// What the shader tells where its setting `which` is this: the same at every pixel.
+/// The shader's answer where its setting `which` is this: the same at every pixel.
 pub(crate) fn number(renderer: &mut Renderer, which: f64) -> f32 {
     let rendered = told(renderer, which).expect("renders");
     let Picture::ShadowTerm(lights) = &rendered.picture else {
