@@ -5,8 +5,8 @@ mod common;
 use common::probe::{number, probing, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, Constants, Contents, DepthOrder, Frame, Pass, ShadowPlan,
-    Value, Viewport,
+    Blend, CasterPass, ColorTarget, Constants, Contents, DepthOrder, DepthTarget, Frame, Pass,
+    ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
 
@@ -43,7 +43,10 @@ fn channels(frame: &Frame<'_>) -> ShadowPlan {
         let depth = 0.1 * (channel + 1) as f32;
         Pass::Casters(CasterPass {
             shader: "caster_depth".to_owned(),
-            depth: Some(DepthOrder::Reversed.nearest("depth_map".into(), true)),
+            depth: Some(DepthTarget {
+                clears: true,
+                ..DepthOrder::Reversed.nearest("depth_map".into())
+            }),
             colors: vec![ColorTarget {
                 target: "color_map".into(),
                 channels: ColorWrites::from_bits_truncate(1 << channel),

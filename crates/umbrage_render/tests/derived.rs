@@ -5,8 +5,8 @@ mod common;
 use common::probe::{number, probing_with, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, ComputePass, Constants, DepthOrder, Frame, Need, Pass, Reads,
-    ScreenPass, ShadowPlan, Value, Viewport,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants, DepthOrder,
+    Frame, Need, Pass, Reads, ScreenPass, ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
 
@@ -97,7 +97,7 @@ fn casters(x: u32, depth: f32) -> CasterPass {
     let scale = Mat4::from_scale(Vec3::new(0.2, 0.2, 0.01));
     CasterPass {
         shader: "caster".to_owned(),
-        depth: Some(DepthOrder::Reversed.nearest("map".into(), true)),
+        depth: Some(DepthOrder::Reversed.nearest("map".into())),
         colors: Vec::new(),
         viewport: Viewport {
             x,
@@ -196,6 +196,57 @@ fn passes_work_from_what_those_before_them_left() {
     assert!((at(1, 2) - 0.125 * wall).abs() < 1e-4);
     // Only two columns were filled; the rest is cleared.
     assert_eq!(row(&mut at, 3), [0.0, 0.0, 0.5 * wall], "deepened");
+}
+
+/// A shadow term may be read from what a pass wrote into a buffer, which stands.
+#[test]
+fn a_buffer_that_a_pass_wrote_is_shaded_by() {
+    const WRITE: &str = r#"
+struct Term { first: u32, rest: array<f32, 3> }
+@group(0) @binding(0) var<storage, read_write> term: Term;
+@compute @workgroup_size(3) fn cs(@builtin(global_invocation_id) id: vec3u) {
+    term.first = 5u;
+    term.rest[id.x] = 0.25 * f32(id.x);
+}
+"#;
+    const READ: &str = r#"
+struct Term { first: u32, rest: array<f32, 3> }
+struct Probe { which: u32 }
+@group(1) @binding(0) var<uniform> probe: Probe;
+@group(1) @binding(1) var<storage, read> term: Term;
+fn calc_shadow(position_ws: vec3f) -> f32 {
+    return f32(term.first) + term.rest[probe.which];
+}
+"#;
+    const AXES: &str = r#"(axes: {
+        "method": (values: { "probe": (bind: { "umbrage::interface::shadow": "package::probe" }) }),
+        "pass": (values: { "probe_write": (root: "package::write") }),
+    })"#;
+    let files = [
+        ("axes.ron", AXES),
+        ("write.wesl", WRITE),
+        ("probe.wesl", READ),
+    ];
+    let mut renderer = probing_with(&files, |frame| {
+        let which = frame.settings.get("which") as u32;
+        ShadowPlan {
+            buffers: vec![BufferDesc {
+                name: "term".to_owned(),
+                contents: BufferContents::Written(16),
+            }],
+            passes: vec![Pass::Compute(ComputePass {
+                shader: "probe_write".to_owned(),
+                workgroups: [1; 3].into(),
+                writes: vec!["term".into()],
+                reads: Reads::default(),
+            })],
+            constants: Constants::new().with("which", Value::U32(which)),
+            ..ShadowPlan::default()
+        }
+    });
+    for (which, term) in [(0.0, 5.0), (1.0, 5.25), (2.0, 5.5)] {
+        assert_eq!(number(&mut renderer, which), term);
+    }
 }
 
 /// Depth in red for faces that are turned to the light, in green for others.

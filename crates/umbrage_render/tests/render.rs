@@ -379,7 +379,7 @@ impl ShadowMethod for Faulty {
             )],
             passes: vec![Pass::Casters(CasterPass {
                 shader: "caster".to_owned(),
-                depth: Some(DepthOrder::Reversed.nearest("shadow_map".into(), true)),
+                depth: Some(DepthOrder::Reversed.nearest("shadow_map".into())),
                 viewport: Viewport {
                     x: 0,
                     y: 0,

@@ -90,7 +90,7 @@
 //!             }],
 //!             passes: vec![Pass::Casters(CasterPass {
 //!                 shader: "caster".into(),
-//!                 depth: Some(order.nearest("whole_map".into(), true)),
+//!                 depth: Some(order.nearest("whole_map".into())),
 //!                 colors: Vec::new(),
 //!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
 //!                 cull: None,
@@ -115,27 +115,7 @@
 //! ```
 //!
 //! [`Extent`] and [`Beam`] fit a map to less than everything: the receivers seen, and the casters
-//! between them and the light.
-//!
-//! # Does it hold what comes later?
-//! The hardest method in sight is resolution-matched shadow maps (Lefohn et al. 2007): a quadtree of
-//! shadow pages as fine as the pixels that read them. On paper:
-//!
-//! 1. Each pixel finds its page (s, t and level), neighbours drop what they share, and the list is
-//!    compacted, sorted and made unique: [`ComputePass`]es over the view's depth, which gain buffers to write.
-//! 2. The list goes to the CPU: a compute pass names a buffer to read back, and `Frame` gains a
-//!    feedback field that holds what came back from an earlier plan, of a frame or more ago. `plan`
-//!    stays pure: what it learns arrives as an argument. (The paper waits for the list in the same
-//!    frame; there, a first plan ends at the read-back, and a second one goes on from it.)
-//! 3. The CPU allocates pages and bins them into super-pages: that is `plan`. Its answer is a
-//!    [`CasterPass`] for each super-page, into a pool, through [`viewport`](CasterPass::viewport) and
-//!    matrix; the page table is one more texture, filled by a compute pass.
-//! 4. `calc_shadow` reads the table and then the pool: two bindings, by name.
-//!
-//! Which pages are resident is remembered between frames, in the feedback that the renderer keeps with
-//! the light, and not in the method. Nothing in the trait changes. Blurred moments (VSM, EVSM, MSM) are
-//! compute or full-screen passes; perspective and light-space perspective maps are another `view_proj`
-//! and another comparison; parallel splits are several [`CasterPass`]es into the tiles of an atlas.
+//! between them and the light. What a method would know of the GPU, such as what pixels see, it [asks](ShadowPlan::asks).
 
 mod answers;
 mod atlas;

@@ -35,11 +35,11 @@ impl DepthOrder {
         }
     }
 
-    /// The slice `target` of a depth texture, of which the nearest is kept; it `clears` what is there.
-    pub fn nearest(self, target: Slice, clears: bool) -> DepthTarget {
+    /// The slice `target` of a depth texture, of which the nearest is kept.
+    pub fn nearest(self, target: Slice) -> DepthTarget {
         DepthTarget {
             target,
-            clears,
+            clears: false,
             compare: self.nearer(),
         }
     }
@@ -118,14 +118,13 @@ impl MapRange {
 }
 
 impl Map {
-    /// The pass that draws the nearest depths of this map, in this order, into the depth texture `target`; it clears the whole
-    /// layer where it `clears`.
+    /// The pass that draws the nearest depths of this map, in this order, into the depth texture `target`.
     ///
     /// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform a mirror.
-    pub fn nearest(&self, target: &str, order: DepthOrder, clears: bool) -> CasterPass {
+    pub fn nearest(&self, target: &str, order: DepthOrder) -> CasterPass {
         CasterPass {
             shader: "caster".to_owned(),
-            depth: Some(order.nearest(Slice::new(target, self.layer), clears)),
+            depth: Some(order.nearest(Slice::new(target, self.layer))),
             colors: Vec::new(),
             viewport: self.tile,
             cull: None,
@@ -190,12 +189,8 @@ impl Maps {
     /// Adds a depth texture of the nearest depths to `plan`, and the passes that draw them.
     pub fn nearest(&self, target: &str, plan: &mut ShadowPlan) {
         plan.textures.push(self.texture(target, Self::FORMAT));
-        for (number, map) in self.maps.iter().enumerate() {
-            let mut before = self.maps[..number].iter();
-            let clears = before.all(|other| other.layer != map.layer);
-            let pass = map.nearest(target, self.order, clears);
-            plan.passes.push(Pass::Casters(pass));
-        }
+        let passes = self.maps.iter().map(|map| map.nearest(target, self.order));
+        plan.passes.extend(passes.map(Pass::Casters));
     }
 }
 

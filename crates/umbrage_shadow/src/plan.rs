@@ -60,8 +60,8 @@ impl ShadowPlan {
     }
 }
 
-/// The most questions that a shadow's plans may end in before one ends in none. Each costs a way to the GPU and back: resolution
-/// matched maps, the most curious method known, refine their list of pages in three.
+/// The most questions that a shadow's plans may end in before one ends in none. Each costs a way to the GPU and back, so that
+/// one or two are all that a frame has time for; what asks more often than this asks without end.
 pub const MAX_QUESTIONS: usize = 4;
 
 /// The most [regions](ShadowPlan::regions) of a plan: for each of the most splits two.
@@ -303,7 +303,8 @@ pub struct CasterPass {
 pub struct DepthTarget {
     /// A slice of a texture of depth alone.
     pub target: Slice,
-    /// Whether all of it is made [empty](TextureDesc::empty) first; else it keeps what it holds.
+    /// Whether all of it is made [empty](TextureDesc::empty) though an earlier pass drew into it. The plan's first pass into a
+    /// slice does so in any case.
     pub clears: bool,
     /// How a new depth is compared with an old one.
     pub compare: CompareFunction,
@@ -311,8 +312,8 @@ pub struct DepthTarget {
 
 /// Where a pass's colours go.
 ///
-/// The plan's first pass into a slice makes all of it [empty](TextureDesc::empty), whatever [`DepthTarget::clears`] says of the
-/// depth: later passes fill further channels, or further viewports.
+/// The plan's first pass into a slice makes all of it [empty](TextureDesc::empty): later passes fill further channels, or
+/// further viewports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorTarget {
     /// A slice of a texture in a format of floats.

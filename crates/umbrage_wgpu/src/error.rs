@@ -77,6 +77,14 @@ pub enum Error {
         /// The pass.
         pass: String,
     },
+    /// The camera's depth is not as passes read it.
+    #[error("light `{light}`: the camera's depth {problem}")]
+    BadDepth {
+        /// The light.
+        light: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A permutation reads what nobody gives it.
     #[error("permutation {key}, binding `{binding}` of {module}: {problem}")]
     Binding {

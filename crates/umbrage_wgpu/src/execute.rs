@@ -9,7 +9,7 @@ use std::{
 use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
     BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Part,
-    Pass, Reads, ScreenPass, ShadowPlan, Source, Viewport, Workgroups,
+    Pass, ScreenPass, ShadowPlan, Source, Viewport, Workgroups,
 };
 
 use crate::{
@@ -17,7 +17,9 @@ use crate::{
     Program, Question, ShadowResources, Times, Unfiltered, bind,
     record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
-    targets::{Targets, attachment, bad_plan, check_regions, depth_attachment, source},
+    targets::{
+        Targets, attachment, bad_plan, check_regions, depth_attachment, reads_camera_depth, source,
+    },
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -216,14 +218,8 @@ impl Executor {
             let choices = all.clone().chain([("pass", pass.shader())]);
             let composed = self.shared.compose(choices)?;
             host.composed(pass.shader(), &composed);
-            let bindings = &composed.permutation.reflection.bindings;
-            let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
-            if job.camera_depth.is_none() && reads(Reads::CAMERA_DEPTH) {
-                return Err(Error::NoDepth {
-                    light: job.name.to_owned(),
-                    method: job.shadow.method().name().to_owned(),
-                    pass: pass.shader().to_owned(),
-                });
+            if reads_camera_depth(pass, &composed.permutation) {
+                check_camera_depth(job, pass)?;
             }
             Ok(Some(composed))
         };
@@ -456,7 +452,8 @@ impl<'a> Execution<'a> {
                 .map(|binding| source(renamed, &binding.name));
             sources.any(|source| source.name == desc.name)
         };
-        let depth = self.job.camera_depth.filter(|_| reads(Reads::CAMERA_DEPTH));
+        let depth = self.job.camera_depth;
+        let depth = depth.filter(|_| reads_camera_depth(pass, permutation));
         Shader {
             key: permutation.key.clone(),
             light: self.job.constants.clone(),
@@ -632,6 +629,33 @@ fn check_numbers(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
         return Ok(());
     };
     Err(bad_plan(job, &problem))
+}
+
+/// Whether the engine gives the camera's depth that a pass reads, as large as it says.
+fn check_camera_depth(job: &Job<'_>, pass: &Pass) -> Result<(), Error> {
+    let light = job.name.to_owned();
+    let Some(depth) = &job.camera_depth else {
+        return Err(Error::NoDepth {
+            light,
+            method: job.shadow.method().name().to_owned(),
+            pass: pass.shader().to_owned(),
+        });
+    };
+    let texture = depth.view.texture();
+    let (size, told) = ([texture.width(), texture.height()], job.frame.camera_depth);
+    let problem = if !texture.format().has_depth_aspect() {
+        format!("is of {:?}: give a view of depth", texture.format())
+    } else if texture.sample_count() > 1 {
+        "has several samples a texel: resolve it first".to_owned()
+    } else if told != Some(size) {
+        format!(
+            "is {} by {} texels, and the frame tells of {told:?}: have it tell that (`Frame::camera_depth`)",
+            size[0], size[1]
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Error::BadDepth { light, problem })
 }
 
 /// Whether what a plan asks about are buffers that its passes write, and whether it asks too often.

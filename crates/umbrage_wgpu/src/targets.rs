@@ -109,7 +109,7 @@ impl Execution<'_> {
                 return Err(self.bad(&problem));
             }
             self.same_size(&mut first, &found)?;
-            let load = match depth.clears {
+            let load = match self.begins(&depth.target) || depth.clears {
                 true => wgpu::LoadOp::Clear(found.desc.empty),
                 false => wgpu::LoadOp::Load,
             };
@@ -270,6 +270,7 @@ impl Execution<'_> {
         let bindings = permutation.map(|permutation| &permutation.reflection.bindings);
         for binding in bindings.into_iter().flatten() {
             let source = source(renamed, &binding.name);
+            self.check_room(&source, &binding.kind)?;
             match binding.kind {
                 BindingKind::Texture { .. }
                 | BindingKind::Storage {
@@ -303,6 +304,24 @@ impl Execution<'_> {
             return Err(self.bad(&problem));
         }
         Ok(touches)
+    }
+
+    /// Whether a buffer that passes write has room for what a shader binds it as.
+    fn check_room(&self, source: &Source, kind: &BindingKind) -> Result<(), Error> {
+        let (BindingKind::Storage { layout, .. }, Some(buffer)) =
+            (kind, self.resources.written.get(&source.name))
+        else {
+            return Ok(());
+        };
+        let (size, needed) = (buffer.size(), u64::from(layout.size));
+        if size >= needed {
+            return Ok(());
+        }
+        let problem = format!(
+            "the buffer `{}` of {size} bytes, where a shader needs {needed} at the least",
+            source.name
+        );
+        Err(self.bad(&problem))
     }
 
     /// How many workgroups a pass runs, checked; the buffer that they are read from.
@@ -414,14 +433,13 @@ impl Execution<'_> {
     ) -> Result<ShadowResources, Error> {
         let mut given = self.resources.clone();
         given.constants = reads.constants.clone();
-        if let Some(depth) = self.job.camera_depth {
-            let format = depth.view.texture().format();
-            let name = Reads::CAMERA_DEPTH.to_owned();
-            given.textures.insert(name, (format, depth.view.clone()));
-        }
         for binding in &permutation.reflection.bindings {
             let (to, source) = (binding.name.clone(), source(&reads.renamed, &binding.name));
-            if let Some(buffer) = self.resources.written.get(&source.name) {
+            let depth = self.job.camera_depth;
+            if let Some(depth) = depth.filter(|_| source.name == Reads::CAMERA_DEPTH) {
+                let format = depth.view.texture().format();
+                given.textures.insert(to, (format, depth.view.clone()));
+            } else if let Some(buffer) = self.resources.written.get(&source.name) {
                 given.written.insert(to, buffer.clone());
             } else if let Some(value) = self.resources.buffers.get(&source.name) {
                 given.buffers.insert(to, value.clone());
@@ -481,6 +499,13 @@ impl Targets {
         depth: None,
         colors: Vec::new(),
     };
+}
+
+/// Whether a pass with this shader reads the camera's depth.
+pub(crate) fn reads_camera_depth(pass: &Pass, permutation: &Permutation) -> bool {
+    let renamed = pass.reads().map_or(&[][..], |reads| &reads.renamed);
+    let mut bindings = permutation.reflection.bindings.iter();
+    bindings.any(|binding| source(renamed, &binding.name).name == Reads::CAMERA_DEPTH)
 }
 
 /// What a pass has for a binding.

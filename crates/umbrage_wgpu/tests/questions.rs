@@ -238,6 +238,15 @@ fn the_camera_s_depth_is_read() {
         let answers = lab.answer(&done.question.expect("a question"));
         assert_eq!(words(&answers, "looked"), [held.to_bits()]);
     }
+    let large = depth(&lab, 0.5);
+    lab.told = [4, 5];
+    let there = lab.depth.replace((large, 2));
+    assert_eq!(
+        lab.refusal(0),
+        "light `sun`: the camera's depth is 4 by 4 texels, and the frame tells of Some([4, 5]): have it tell that \
+         (`Frame::camera_depth`)"
+    );
+    (lab.told, lab.depth) = ([4, 4], there);
     // Where it is missing, nothing that stands is lost.
     let there = lab.depth.take();
     assert!(matches!(
@@ -252,7 +261,7 @@ fn the_camera_s_depth_is_read() {
 /// Who asks without end, or about what there is not, is told so; other lights go on.
 #[test]
 fn bad_questions_are_told() {
-    let mut lab = Lab::new(&[("look", LOOK)], |_| look(&["looked"]));
+    let mut lab = Lab::new(&[("look", LOOK), ("sum", SUM)], |_| look(&["looked"]));
     lab.depth = Some((depth(&lab, 0.5), 0));
     let mut answers = Answers::default();
     for round in 0..=MAX_QUESTIONS {
@@ -282,6 +291,13 @@ fn bad_questions_are_told() {
     });
     let said = lab.refusal(0);
     let expected = "a question about `idle`, which is no buffer that its passes write";
+    assert!(said.contains(expected), "{said}");
+    lab.plan_by(|_| ShadowPlan {
+        buffers: vec![written("sum", 4)],
+        ..sums()
+    });
+    let said = lab.refusal(0);
+    let expected = "the buffer `sum` of 4 bytes, where a shader needs 8 at the least";
     assert!(said.contains(expected), "{said}");
     lab.plan_by(|_| look(&["looked"]));
     assert_eq!(lab.words(1, "looked"), [0.5_f32.to_bits()]);

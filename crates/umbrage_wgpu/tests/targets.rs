@@ -6,8 +6,8 @@ use common::{Lab, words};
 use glam::{Mat4, Vec2};
 use umbrage_shadow::{
     Answers, Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants,
-    DepthOrder, Pass, Reads, ScreenPass, ShadowPlan, Slice, Source, TextureDesc, TextureShape,
-    Value, Viewport, Workgroups,
+    DepthOrder, DepthTarget, Pass, Reads, ScreenPass, ShadowPlan, Slice, Source, TextureDesc,
+    TextureShape, Value, Viewport, Workgroups,
 };
 use umbrage_wgpu::Run;
 use wgpu::{ColorWrites, TextureFormat as Format};
@@ -241,7 +241,7 @@ fn paint(layer: u32) -> CasterPass {
     let number = layer as f32;
     CasterPass {
         shader: "paint".to_owned(),
-        depth: Some(DepthOrder::Reversed.nearest(Slice::new("depths", layer), true)),
+        depth: Some(DepthOrder::Reversed.nearest(Slice::new("depths", layer))),
         colors: vec![
             color("reds", layer, ColorWrites::RED),
             color("rests", layer, ColorWrites::RED | ColorWrites::GREEN),
@@ -331,7 +331,10 @@ fn the_nearest_depth_is_the_order_s() {
     let plan = |order: DepthOrder| {
         let caster = |z: f32, clears: bool| {
             Pass::Casters(CasterPass {
-                depth: Some(order.nearest("map".into(), clears)),
+                depth: Some(DepthTarget {
+                    clears,
+                    ..order.nearest("map".into())
+                }),
                 colors: Vec::new(),
                 viewport: all(2),
                 view_proj: depth(z),
@@ -347,6 +350,9 @@ fn the_nearest_depth_is_the_order_s() {
             }],
             buffers: vec![written("found", 2)],
             passes: vec![
+                // What stood is gone, of this frame as of the one before.
+                caster(0.9375, false),
+                caster(0.0625, false),
                 caster(0.75, true),
                 caster(0.25, false),
                 caster(0.5, false),

@@ -189,7 +189,7 @@ fn faces(plan: &mut ShadowPlan, maps: &Maps) {
                 channels: ColorWrites::RED | ColorWrites::GREEN,
                 blend: Blend::Max,
             }],
-            ..map.nearest(FACES, maps.order, true)
+            ..map.nearest(FACES, maps.order)
         })
     }));
 }

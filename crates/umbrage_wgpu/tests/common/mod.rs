@@ -55,6 +55,8 @@ pub(crate) struct Lab {
     library: Library,
     parts: Registry,
     pub(crate) depth: Option<(wgpu::TextureView, u64)>,
+    /// How large frames say that it is.
+    pub(crate) told: [u32; 2],
 }
 
 impl Lab {
@@ -95,6 +97,7 @@ impl Lab {
             library,
             parts: Registry::new(),
             depth: None,
+            told: [4, 4],
         };
         lab.plan_by(plan);
         lab
@@ -138,7 +141,7 @@ impl Lab {
             shadow: &shadow,
             frame: &Frame {
                 answers,
-                camera_depth: depth.map(|_| [4, 4]),
+                camera_depth: depth.map(|_| self.told),
                 ..shadow.frame(&view, &light, &bounds, &bounds)
             },
             casters: &Identity::unchanging(1),

@@ -52,7 +52,7 @@ fn same(sight: &Sight) -> Vec<Option<(u32, u32)>> {
 fn pass(resolution: u32, view_proj: DMat4) -> Pass {
     Pass::Casters(CasterPass {
         shader: "caster".to_owned(),
-        depth: Some(DepthOrder::Reversed.nearest("map".into(), true)),
+        depth: Some(DepthOrder::Reversed.nearest("map".into())),
         viewport: Viewport {
             x: 0,
             y: 0,

@@ -2,9 +2,9 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
-    Atlas, Blend, BufferContents, BufferDesc, ColorTarget, Constants, Contents, DepthOrder, Frame,
-    MAX_SPLITS, Map, Maps, Pass, PlanError, SamplerDesc, ShadowPlan, TextureDesc, TextureShape,
-    Value, Viewport,
+    Atlas, Blend, BufferContents, BufferDesc, ColorTarget, Constants, Contents, DepthOrder,
+    DepthTarget, Frame, MAX_SPLITS, Map, Maps, Pass, PlanError, SamplerDesc, ShadowPlan,
+    TextureDesc, TextureShape, Value, Viewport,
 };
 use wgpu_types::{ColorWrites, TextureFormat};
 
@@ -173,8 +173,7 @@ fn maps(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) {
             .push(TextureDesc::d2(name, Maps::FORMAT, [size, size]));
         if let Some(split) = split {
             let map = map(split, Viewport::square(job.tile));
-            plan.passes
-                .push(Pass::Casters(map.nearest(name, ORDER, true)));
+            plan.passes.push(Pass::Casters(map.nearest(name, ORDER)));
         }
     }
 }
@@ -200,8 +199,13 @@ fn channels(plan: &mut ShadowPlan, job: &Job<'_>, splits: &Splits) {
     plan.textures
         .push(TextureDesc::d2(NEAREST, Maps::FORMAT, size));
     for (split, channels) in splits.splits.iter().zip(CHANNELS) {
-        let mut pass = map(split, Viewport::square(job.tile)).nearest(NEAREST, ORDER, true);
+        let mut pass = map(split, Viewport::square(job.tile)).nearest(NEAREST, ORDER);
         pass.shader = "caster_depth".to_owned();
+        // One scratch for all of them.
+        pass.depth = pass.depth.map(|depth| DepthTarget {
+            clears: true,
+            ..depth
+        });
         pass.colors.push(ColorTarget {
             target: Maps::BINDING.into(),
             channels,
