@@ -203,10 +203,6 @@ fn plans_with_numbers_that_are_none_are_refused() {
     let said = refused(AXES, SOUND, parts);
     assert_says(
         &said,
-        &[
-            "light `window`",
-            "of the filter `own` is",
-            "finite",
-        ],
+        &["light `window`", "of the filter `own` is", "finite"],
     );
 }
