@@ -44,6 +44,7 @@
 //! A recorded pass counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
 
 mod bind;
+mod check;
 pub mod device;
 mod error;
 mod execute;
@@ -55,6 +56,7 @@ mod record;
 mod resources;
 mod shadow;
 mod targets;
+mod touches;
 
 pub use bind::{Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
