@@ -1,6 +1,6 @@
 //! Umbrage's WESL package, embedded: an engine that ships it needs no files.
 //!
-//! The modules are beside this file. Who works on them loads the folder instead, with
+//! The modules are beside this file. An author who changes them loads the folder instead, with
 //! [`Package::load`].
 
 use include_dir::{Dir, include_dir};

@@ -1,4 +1,4 @@
-//! What this folder holds; the library itself is empty.
+//! Contents of this folder; the library itself is empty.
 //!
 //! - `scenes`: scene files with their models and textures, all of which `cargo xtask demo` renders.
 //! - `pictures`: what each scene looks like, as `NAME.png` for `NAME.ron`.

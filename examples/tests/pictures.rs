@@ -12,7 +12,7 @@ use std::{
 use umbrage::{
     compose::{Composer, Manifest, Target},
     methods::registry,
-    render::{Gpu, RenderOptions, Rendered, Renderer, Scene, What},
+    render::{Gpu, RenderOptions, Rendered, Renderer, Scene, Shadow, What},
     shader_library,
 };
 use umbrage_testkit::pictures::{self, Difference};
@@ -40,7 +40,7 @@ fn scenes() -> BTreeSet<String> {
     scenes
 }
 
-/// What is compared: for each scene its own picture, and a map's splits where there is most to see of them.
+/// Pictures compared: for each scene its own, and a map's splits where there is most to see of them.
 fn pictures() -> Vec<(String, String, What)> {
     let scenes = scenes().into_iter();
     let shaded = scenes.map(|name| (name.clone(), name, What::Shaded));
@@ -74,7 +74,7 @@ fn render(
         width,
         height,
         what,
-        method: method.map(str::to_owned),
+        shadow: method.map(Shadow::new).unwrap_or_default(),
         ..RenderOptions::default()
     };
     renderer.render(&scene, &options).expect("a picture")

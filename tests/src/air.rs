@@ -1,4 +1,4 @@
-//! What a stage's air does, on the CPU, in f64: the steps of a ray are put where the shader puts them, and each asks the
+//! Air of a stage, on the CPU, in f64: the steps of a ray are put where the shader puts them, and each asks the
 //! method's twin.
 
 use glam::{DVec2, DVec3};
@@ -33,7 +33,7 @@ pub(crate) fn shaded(scene: &Scene, view: &View, light: &Light) -> Option<Aabb> 
     seen.intersection(around)
 }
 
-/// What a pixel shows of its ray, from the eye.
+/// Ray that a pixel shows, from the eye.
 struct Ray {
     /// Where the eye is, relative to the camera.
     origin: DVec3,

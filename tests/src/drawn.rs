@@ -1,4 +1,4 @@
-//! Permutations to draw, and to ask other compilers about.
+//! Permutations to draw, and to give to other compilers.
 
 use std::{collections::BTreeSet, error::Error, path::Path, sync::Arc};
 
@@ -45,12 +45,12 @@ pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey
     }
     let small = |config: Config| {
         let mut config = config;
-        config.settings.insert("resolution".to_owned(), MAP);
+        config.shadow = config.shadow.with_setting("resolution", MAP);
         config
     };
     let configs = Config::standard(&methods, &registry, library)?;
     let limits = Limits::built_in()?;
-    let variants = Config::variants(&limits, &methods, &registry, library)?;
+    let variants = limits.variants_of(&methods, &registry, library)?;
     let mut lab = Lab::new(Arc::clone(gpu), Arc::clone(composer), registry);
     let options = CompareOptions {
         size: SIZE,
@@ -102,7 +102,7 @@ fn scenes() -> Result<Vec<(String, Scene)>, Box<dyn Error>> {
     paths.iter().map(|path| scene(path)).collect()
 }
 
-/// `keys`, and beside each that asks a shadow map the same for each other depth that the map may hold: what other passes
+/// `keys`, and beside each that samples a shadow map the same for each other depth that the map may hold: what other passes
 /// draw, and no part of the permutation.
 ///
 /// # Errors

@@ -22,7 +22,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// What the shader reads of where it is.
+    /// Its place, as the shader reads it.
     pub fn at(&self) -> [f32; 4] {
         [
             self.at[0],
@@ -32,14 +32,14 @@ impl Place {
         ]
     }
 
-    /// What the shader reads of its plane.
+    /// Its plane, as the shader reads it.
     pub fn plane(&self) -> [f32; 4] {
         [self.plane[0], self.plane[1], self.plane[2], 0.0]
     }
 }
 
 impl Maps {
-    /// Those of `seed` in a texture of this size.
+    /// Maps made up from `seed` in a texture of this size.
     pub fn new(seed: u64, [columns, rows]: [u32; 2], tiles: &[Viewport]) -> Self {
         let mut depths = vec![0.0; (columns * rows) as usize];
         let mut random = Random(seed);
@@ -80,7 +80,7 @@ impl Maps {
         }
     }
 
-    /// Receivers: on the ground of their map as a method raises it, above, below, or anywhere.
+    /// Receivers: on the ground of their map as a method biases it, above, below, or anywhere.
     pub fn places(&self, count: u32) -> Vec<Place> {
         let mut random = Random(!self.seed);
         let place = |_| {
@@ -100,21 +100,21 @@ impl Maps {
                 ground
             };
             let on = depth([a, b, c], at[0], at[1]);
-            // What a method adds: a texel's lean either way, and some texels of bias.
-            let lean = a.abs() + b.abs();
-            let raise = match random.below(8) {
+            // A method's bias: a texel's slope either way, and some texels of bias.
+            let slope_bias = a.abs() + b.abs();
+            let bias = match random.below(8) {
                 0 => 0.0,
-                1 => lean,
-                2 => lean * (1.0 + 1e-6 * random.unit()),
-                3 => lean + 0.1 * random.unit(),
+                1 => slope_bias,
+                2 => slope_bias * (1.0 + 1e-6 * random.unit()),
+                3 => slope_bias + 0.1 * random.unit(),
                 4 => -0.2 * random.unit(),
                 // About as far as bounds need, but for what is rounded.
                 5 | 6 => {
                     let side = if random.below(2) == 0 { 1.0 } else { -1.0 };
                     let rounding = 16.0 * (random.unit() - 0.5) / f64::from(1_u32 << 24);
-                    side * lean * (1.0 + random.unit() / 32.0) + rounding
+                    side * slope_bias * (1.0 + random.unit() / 32.0) + rounding
                 }
-                _ => lean + (0.5 + random.unit()) * (lean + 1e-5),
+                _ => slope_bias + (0.5 + random.unit()) * (slope_bias + 1e-5),
             };
             let slope = if random.below(8) == 0 {
                 [0.0; 2]
@@ -124,7 +124,7 @@ impl Maps {
             Place {
                 tile,
                 at: at.map(|at| at as f32),
-                plane: [slope[0], slope[1], on + raise].map(|n| n as f32),
+                plane: [slope[0], slope[1], on + bias].map(|n| n as f32),
             }
         };
         (0..count).map(place).collect()

@@ -15,7 +15,7 @@ use crate::{Stage, air};
 /// grid of a 16th at the least, and most have a 256th, which rounding and division make about this.
 const SNAP: f64 = 1.0 / 128.0;
 
-/// What a pixel sees.
+/// A pixel, as the oracle sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pixel {
     /// Nothing.
@@ -36,13 +36,13 @@ pub struct Oracle<'a> {
     twin: Option<Twin>,
     /// Whether bounds are read before the maps.
     bounded: bool,
-    /// What maps hold where it is not the nearest depth.
+    /// Depths that maps hold, where it is not the nearest depth.
     midpoint: Option<MidpointTwin>,
-    /// The least and greatest depth of the map's texels that were asked for.
+    /// The least and greatest depth of the map's texels that were sampled.
     texels: RefCell<HashMap<Texel, (f32, f32)>>,
 }
 
-/// What the light's method does with its maps.
+/// Twin of the light's method, which samples its maps.
 enum Twin {
     Basic(BasicTwin),
     Pssm(PssmTwin),
@@ -61,7 +61,7 @@ struct Triangle {
     normal: DVec3,
 }
 
-/// Which faces a ray may hit.
+/// Faces that a ray may hit.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Either,
@@ -186,7 +186,7 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    /// What the pixel in column `x` and row `y` of `width` × `height` sees.
+    /// The pixel in column `x` and row `y` of `width` × `height`, as the oracle sees it.
     pub fn pixel(&self, x: u32, y: u32, width: u32, height: u32) -> Pixel {
         let (position, normal) = match self.receiver(x, y, width, height) {
             Ok(receiver) => receiver,
@@ -323,7 +323,7 @@ impl<'a> Oracle<'a> {
         Pixel::Term(dark.into(), lit.into())
     }
 
-    /// What the pixel sees, and where (metres, relative to the camera).
+    /// Hit of the ray through the pixel, and where it is (metres, relative to the camera).
     pub(crate) fn see(
         &self,
         x: u32,

@@ -1,5 +1,5 @@
 //! The scene that a key's permutation is drawn in: small, with a caster of each kind, and lit from
-//! where its shadows cross each other and lean steeply.
+//! where its shadows cross each other and slant steeply.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -50,7 +50,7 @@ pub fn stage(library: &Library, key: &Key, resolution: u32) -> Stage {
         let mut material = Material::plain(surface);
         material.base_color = Vec4::new(0.8, 0.7, 0.6, opacity);
         if value("pass").starts_with("shaft") {
-            // What is seen is the air alone.
+            // Air is all that is seen.
             material.base_color = Vec4::W;
         }
         material.roughness = 0.6;

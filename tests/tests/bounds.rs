@@ -1,4 +1,4 @@
-//! What the bounds of blocks decide is what the whole filter finds: maps and receivers of all kinds, made up, read by the
+//! Decisions by the bounds of blocks are what the whole filter finds: maps and receivers of all kinds, made up, read by the
 //! shaders themselves, and judged by the comparison's own definition in f64. Not one pixel may differ.
 #![allow(
     clippy::panic,
@@ -10,7 +10,9 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 use umbrage::{
     compose::{Composer, Library, Package, Target},
     methods::methods::{basic::Basic, pssm::Pssm},
-    render::{Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, Scene, What},
+    render::{
+        Decision, Gpu, Path as Way, Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What,
+    },
     shadow::{
         Constants, Contents, Frame, Light, Part, Pass, PlanError, Reads, ScreenPass, Setting,
         ShadowMethod, ShadowPlan, Support, TextureDesc, Value, Viewport, Workgroups,
@@ -188,22 +190,17 @@ impl Studio {
     }
 
     fn render(&mut self, what: What, trial: &Trial, filter: &str) -> Rendered {
-        let axes = [
-            ("filter", filter),
-            ("pcf", trial.width),
-            ("block", trial.block),
-        ];
-        let axes = axes.map(|(axis, value)| (axis.to_owned(), value.to_owned()));
+        let shadow = Shadow::new(trial.method)
+            .with("filter", filter)
+            .with("pcf", trial.width)
+            .with("block", trial.block)
+            .with_setting("resolution", trial.resolution.into())
+            .with_setting("seed", trial.seed.into());
         let options = RenderOptions {
             width: SIZE,
             height: SIZE,
             what,
-            method: Some(trial.method.to_owned()),
-            axes: axes.into(),
-            settings: BTreeMap::from([
-                ("resolution".to_owned(), f64::from(trial.resolution)),
-                ("seed".to_owned(), f64::from(trial.seed)),
-            ]),
+            shadow,
             ..RenderOptions::default()
         };
         let rendered = self.renderer.render(&self.scene, &options);
@@ -372,15 +369,14 @@ fn bounds_of_maps_smaller_than_the_filter_decide_nothing_wrong() {
 fn bounds_go_with_all_choices_that_they_allow() {
     let mut studio = Studio::new();
     let mut draw = |filter: &str, choices: &[(&str, &str)], path| {
-        let axes = [("filter", filter), ("pcf", "7")];
-        let axes = axes.iter().chain(choices);
+        let shadow = Shadow::default().with("filter", filter).with("pcf", "7");
         let options = RenderOptions {
             width: 160,
             height: 90,
             what: What::ShadowTerm,
-            axes: axes
-                .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
-                .collect(),
+            shadow: choices
+                .iter()
+                .fold(shadow, |shadow, (a, v)| shadow.with(a, v)),
             path,
             ..RenderOptions::default()
         };

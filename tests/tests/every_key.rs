@@ -22,8 +22,8 @@ const STEPS: u32 = 16;
 /// Texels along a shadow map: coarse, so that filters are as wide as shadows.
 const RESOLUTION: u32 = 96;
 
-/// The axes of shadow methods, which an unshadowed picture has none of; but for the bias, whatever is chosen of which
-/// the air is asked without a plane.
+/// The axes of shadow methods, which an unshadowed picture has none of; but for the bias, as the air is sampled without a
+/// plane whatever is chosen of it.
 const SHADOW_AXES: [&str; 8] = [
     "block",
     "depth",
@@ -108,7 +108,7 @@ impl Studio {
         let between =
             |[least, most]: [u32; 2], count: f32| (least as f32..=most as f32).contains(&count);
         let wrong = match (&rendered.picture, value("pass")) {
-            // What it finds is held to a picture's own depths where it is read: `seen.rs` of the renderer.
+            // Its depths are held to a picture's own where they are read: `seen.rs` of the renderer.
             (_, "depth_range") => None,
             (Picture::ShadowTerm(terms), pass) => {
                 let rounding = match pass {
@@ -175,7 +175,7 @@ impl Studio {
 
     fn staged(&self, key: &Key) -> Stage {
         let library = self.composer.library();
-        // What draws no light of its own is drawn under a shadow method's, casters and all.
+        // A key that draws no light of its own is drawn under a shadow method's, casters and all.
         let method = library.axes().value(key, "method").unwrap_or("none");
         let pass = library.axes().value(key, "pass").unwrap_or("");
         let caster_of = match pass {
@@ -216,7 +216,7 @@ impl Studio {
         stage(library, &key, resolution)
     }
 
-    /// What the oracle sees, which is the same for all keys that differ in what it does not know.
+    /// The pixels as the oracle sees them, the same for all keys that differ in what it does not know.
     fn expected(&mut self, key: &Key, drawn: &Stage) -> Vec<Pixel> {
         let axes = self.composer.library().axes();
         let known = [
@@ -342,7 +342,7 @@ fn compare_all<E: Copy + std::fmt::Debug + PartialEq, T: Copy + std::fmt::Debug>
     let expected: Vec<_> = (0..SIZE * SIZE)
         .map(|pixel| expected(&oracle, pixel % SIZE, pixel / SIZE))
         .collect();
-    // What a ray passes by closely, a rasteriser may see.
+    // A thing that a ray passes by closely, a rasteriser may see.
     let beside_something = |pixel: u32| {
         let (x, y) = (pixel % SIZE, pixel / SIZE);
         let near = |at: u32| at.saturating_sub(1)..=(at + 1).min(SIZE - 1);
@@ -434,7 +434,7 @@ fn permutations_are_drawn_as_the_oracle_says() {
     );
 }
 
-/// What no permutation tells apart: formats, lights, and the widths of maps that are filtered before they are read.
+/// Choices that no permutation tells apart: formats, lights, and the widths of maps that are filtered before they are read.
 #[test]
 fn exponential_maps_are_read_as_the_oracle_says() {
     let mut keys = Vec::new();

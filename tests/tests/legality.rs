@@ -19,11 +19,11 @@ const APART: &[&str] = &["branches", "channels", "weights"];
 
 /// Excluded combinations: values of some axes that make no sense together.
 const EXCLUDED: &[&[(&str, &[&str])]] = &[
-    // A cube map can only be asked by comparing, holds the nearest depths alone, and has no splits.
+    // A cube map can only be sampled by comparing, holds the nearest depths alone, and has no splits.
     &[("filter", BOUNDED_OR_BLURRED), ("light", &["point"])],
     &[("depth", MIDPOINTS), ("light", &["point"])],
     &[("method", &["pssm"]), ("light", &["point"])],
-    // Only tiles of one texture can be asked otherwise than by comparing, and hold other depths than the nearest.
+    // Only tiles of one texture can be sampled otherwise than by comparing, and hold other depths than the nearest.
     &[
         ("filter", BOUNDED_OR_BLURRED),
         ("method", &["pssm"]),
@@ -211,7 +211,7 @@ fn a_filter_from_outside_edits_no_other_value() {
         .expect("a permutation");
 }
 
-/// What an axis provides is said once, so that its values mean the same whichever packages there are.
+/// An axis's provisions are said once, so that its values mean the same whichever packages there are.
 #[test]
 fn two_packages_cannot_say_what_an_axis_provides() {
     let axes = r#"(axes: { "method": (provides: ["tiles"], values: {}) })"#;

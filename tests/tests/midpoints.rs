@@ -15,8 +15,8 @@ use umbrage::{
 const DEPTHS: [&str; 3] = ["midpoint", "midpoint_sampled", "midpoint_two_passes"];
 const LOOKUPS: [&str; 4] = ["packed", "masks", "matrix_texture", "storage"];
 
-/// What is blended by hand has weights of 24 bits, what the hardware blends of 8 on many devices: of nine texels' shares
-/// of the light a 256th at the most. More is a decision, where a depth is within rounding of the one compared with.
+/// Blending by hand has weights of 24 bits, blending by hardware of 8 on many devices: of nine texels' shares of the light a
+/// 256th at the most. More is a decision, where a depth is within rounding of the one compared with.
 const ROUNDING: f32 = 1.0 / 256.0;
 
 /// Pixels that may stand at such a decision, of 30,000.

@@ -18,7 +18,7 @@
 //! hides how the parts meet.
 //!
 //! **The shader half** implements `interface::shadow`: a function of the interface's name and signature.
-//! What it reads beyond its argument it declares; the numbers come from the Rust half, by name. Positions
+//! Whatever it reads beyond its argument it declares; the numbers come from the Rust half, by name. Positions
 //! are relative to the camera, so a height must be, too:
 //!
 //! ```wgsl
@@ -98,7 +98,7 @@
 //!
 //! // And a scene, drawn with it.
 //! use std::sync::Arc;
-//! use umbrage::render::{Gpu, RenderOptions, Renderer, Scene};
+//! use umbrage::render::{Gpu, RenderOptions, Renderer, Scene, Shadow};
 //!
 //! let mut registry = umbrage::methods::registry()?;
 //! registry.methods.add(Canopy)?;
@@ -107,7 +107,7 @@
 //! let options = RenderOptions {
 //!     width: 64,
 //!     height: 36,
-//!     method: Some("canopy".to_owned()),
+//!     shadow: Shadow::new("canopy"),
 //!     ..RenderOptions::default()
 //! };
 //! let rendered = renderer.render(&scene, &options)?;
@@ -124,8 +124,8 @@
 //! - **Take the command along**: ten lines give your crate all of `umbrage` with your parts in it (`umbrage_cli::main`), so
 //!   that they are rendered, compared with the truth and held to the hard cases like ours.
 //! - **Count what you fetch**: before each texture fetch of your method stands
-//!   `@if(COUNT_FETCHES) count_fetch();`, imported from `umbrage::common::fetches`. Whoever renders
-//!   [`What::Fetches`](render::What::Fetches) gets the counts; a fetch without one is refused, by its line.
+//!   `@if(COUNT_FETCHES) count_fetch();`, imported from `umbrage::common::fetches`. A picture of
+//!   [`What::Fetches`](render::What::Fetches) has the counts; a fetch without one is refused, by its line.
 //! - **Test the plan**: it is data. Lights straight above, empty scenes and cameras far from the origin
 //!   are worth a test each.
 //! - **An axis or a setting?** What changes the shader is an axis, and costs a permutation; what ends in

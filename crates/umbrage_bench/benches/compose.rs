@@ -1,4 +1,4 @@
-//! What composing costs, over what cannot be avoided: naga's own parsing and validating of the same
+//! Cost of composing, over what cannot be avoided: naga's own parsing and validating of the same
 //! shader as one text (the floor), and a `HashMap`'s look-up; and what it costs others: `naga_oil`, with its modules
 //! known, up to a validated module, as we do (ours is of parts that were validated before); `wesl`, which keeps nothing,
 //! up to a text that naga has yet to parse.

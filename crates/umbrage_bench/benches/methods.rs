@@ -1,4 +1,4 @@
-//! What the variants of a method cost against each other, and what methods err at equal memory: ratios taken
+//! Costs of a method's variants against each other, and errors of methods at equal memory: ratios taken
 //! in one run, on an avenue that one map cannot resolve.
 #![allow(
     clippy::print_stdout,
@@ -26,7 +26,7 @@ use umbrage_measure::{
     report::{Row, Spread},
     study::{CompareOptions, Config, Lab, compare},
 };
-use umbrage_render::{Gpu, Renderer, Scene};
+use umbrage_render::{Gpu, Renderer, Scene, Shadow};
 
 use crate::timing::Way;
 
@@ -44,7 +44,7 @@ const LOOKUPS: [&str; 7] = [
 /// The ways to make a midpoint map whose times are compared.
 const MIDPOINTS: [&str; 2] = ["midpoint", "midpoint_two_passes"];
 
-/// What has no splits.
+/// The way without splits.
 const ONE_MAP: &str = "one map";
 
 /// The one that ships as default.
@@ -62,7 +62,7 @@ struct Report {
     pssm_default_over_storage_time: f64,
     /// Wrong samples of four splits of 1024² over those of one map of 2048².
     pssm4x1024_over_basic2048_error: f64,
-    /// What one midpoint map of 2048² takes in one pass and its resolve, over two passes and theirs.
+    /// Time of one midpoint map of 2048² in one pass and its resolve, over two passes and theirs.
     midpoint_single_over_two: f64,
     variants: BTreeMap<&'static str, Variant>,
     #[serde(flatten)]
@@ -188,27 +188,24 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn config(method: &str, name: &str, lookup: &str) -> Config {
-    let mut axes = BTreeMap::from([("pcf".to_owned(), "3".to_owned())]);
-    let mut settings = BTreeMap::from([("resolution".to_owned(), 2048.0)]);
-    if method == "pssm" {
-        axes.insert("lookup".to_owned(), lookup.to_owned());
-        settings = BTreeMap::from([
-            ("resolution".to_owned(), 1024.0),
-            ("splits".to_owned(), 4.0),
-        ]);
-    }
+    let shadow = Shadow::new(method).with("pcf", "3");
+    let shadow = match method {
+        "pssm" => shadow
+            .with("lookup", lookup)
+            .with_setting("resolution", 1024.0)
+            .with_setting("splits", 4.0),
+        _ => shadow.with_setting("resolution", 2048.0),
+    };
     Config {
         name: name.to_owned(),
-        method: method.to_owned(),
-        axes,
-        settings,
+        shadow,
         ..Config::default()
     }
 }
 
 fn midpoint(depth: &str) -> Config {
     let mut config = config("basic", depth, "");
-    config.axes.insert("depth".to_owned(), depth.to_owned());
+    config.shadow = config.shadow.with("depth", depth);
     config
 }
 
@@ -229,7 +226,7 @@ fn shading(
     }))
 }
 
-/// What the bare shadow term costs with one tap and no receiver's plane: the lookup alone.
+/// Cost of the bare shadow term with one tap and no receiver's plane: the lookup alone.
 fn cost(
     composer: &Composer,
     compiler: &mut Compiler,

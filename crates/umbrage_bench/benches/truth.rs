@@ -1,4 +1,4 @@
-//! What a picture of the truth costs, and how that grows with the triangles: a hilly ground in the
+//! Cost of a picture of the truth, and how it grows with the triangles: a hilly ground in the
 //! evening sun, each with ten times the triangles of the one before.
 #![allow(
     clippy::print_stdout,
@@ -79,7 +79,7 @@ fn measure(scene: &Scene) -> Result<Row, Box<dyn Error>> {
     })
 }
 
-/// What Linux calls the process's high-water mark.
+/// The process's high-water mark, by Linux.
 fn peak_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

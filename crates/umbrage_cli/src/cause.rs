@@ -32,8 +32,8 @@ pub(crate) fn smallest_cause(axes: &[Axis], mut checked: Vec<Checked>) -> String
     }
     let mut causes = Vec::new();
     let mut level = vec![Choice::new()];
-    // Level by level: choices of one axis, of two, ... What triggers the fault, or has nothing to do
-    // with it, is not refined.
+    // Level by level: choices of one axis, of two, ... A set that triggers the fault, or has nothing to
+    // do with it, is not refined.
     while !is_empty(&uncovered) && !level.is_empty() {
         let mut sufficient = Vec::new();
         let mut undecided = Vec::new();

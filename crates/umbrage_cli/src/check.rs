@@ -23,7 +23,7 @@ use crate::{
     targets::target,
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report {
     /// How many legal keys are meant, at most 2^64 - 1.
@@ -59,7 +59,7 @@ struct ReportedFault {
 /// Most keys that are told of one fault.
 const TOLD: usize = 100;
 
-/// What makes two findings the same fault.
+/// Identity of a fault: findings that agree in it are the same.
 type Identity = (Cause, Vec<Location>, String);
 
 /// Keys to check.

@@ -78,7 +78,7 @@ pub(crate) fn chosen(asked: Option<&str>, registry: &Registry) -> Result<Vec<Str
     Ok(names)
 }
 
-/// What was typed, without the way to this program.
+/// The command as typed, without the way to this program.
 fn command_line() -> String {
     let mut words = std::env::args();
     let program = words.next().unwrap_or_default();
@@ -118,11 +118,11 @@ fn configs(args: &CompareArgs, lab: &Lab, methods: &[String]) -> Result<Vec<Conf
         };
         for config in configs {
             let same = |other: &&Config| {
-                let id =
-                    |config: &Config| (config.method.clone(), config.name.clone(), config.path);
+                let id = |c: &Config| (c.shadow.method.clone(), c.name.clone(), c.path);
                 id(other) == id(&config)
             };
-            if let Some(Config { method, name, .. }) = all.iter().find(same) {
+            if let Some(Config { shadow, name, .. }) = all.iter().find(same) {
+                let method = &shadow.method;
                 bail!(
                     "--configs: method `{method}` has two configurations called `{name}`, one of {}; rename it",
                     path.display()
@@ -131,7 +131,7 @@ fn configs(args: &CompareArgs, lab: &Lab, methods: &[String]) -> Result<Vec<Conf
             all.push(config);
         }
     }
-    all.retain(|config| methods.contains(&config.method));
+    all.retain(|config| methods.contains(&config.shadow.method));
     if all.is_empty() {
         bail!("--configs lists none of the methods that --methods names");
     }

@@ -15,15 +15,15 @@ use crate::{
     targets::target,
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report {
     family: String,
     /// A stage of a permutation each, sorted by key and in the order of a pipeline's stages.
     permutations: Vec<Row>,
-    /// What is over the budget; empty without one.
+    /// Figures over the budget; empty without one.
     over_budget: Vec<Over>,
-    /// What the driver could not compile.
+    /// Permutations that the driver could not compile.
     failed: Vec<Failed>,
 }
 

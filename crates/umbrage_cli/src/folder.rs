@@ -13,7 +13,7 @@ use crate::{
     passing::{Passing, sweep},
 };
 
-/// What a folder holds.
+/// Kind of a folder's contents.
 pub(crate) struct Kind {
     /// One of them: `prebuild`.
     pub(crate) name: &'static str,
@@ -57,7 +57,7 @@ impl Kind {
         interrupt::check()?;
         let written = self.write(out, fill);
         if written.is_err() {
-            // What was broken off is no fault of the folder's.
+            // An interruption is no fault of the folder's.
             interrupt::check()?;
         }
         written.with_context(|| {
@@ -402,7 +402,7 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).expect("listed").count(), 1);
     }
 
-    /// What the test below runs in a process of its own: writes a file, says so, and dawdles.
+    /// Writer that the test below runs in a process of its own: writes a file, says so, and dawdles.
     #[test]
     #[ignore = "run by an_interrupt_while_writing_leaves_what_was"]
     fn slow_writer() {

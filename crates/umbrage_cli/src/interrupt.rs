@@ -13,7 +13,7 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 
-/// What a shell says of a command that Ctrl-C ended.
+/// Status that a shell gives a command that Ctrl-C ended.
 pub(crate) const STATUS: u8 = 130;
 
 /// Held while there are files that must not be left behind.

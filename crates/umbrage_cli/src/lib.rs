@@ -59,7 +59,7 @@ pub use known::Known;
 pub fn main(extend: impl FnOnce(&mut Known) -> Result<()>) -> ExitCode {
     // This comes first, as it may restart the process.
     quiet::mesa();
-    // What `compare` and `cost` start for themselves: no arguments, and nothing on standard output.
+    // Serves the process that `compare` and `cost` start: no arguments, and nothing on standard output.
     umbrage_isa::serve_if_asked();
     let known = || {
         let mut known = Known::own()?;
@@ -69,7 +69,7 @@ pub fn main(extend: impl FnOnce(&mut Known) -> Result<()>) -> ExitCode {
     let done = interrupt::install().and_then(|()| run(known));
     done.unwrap_or_else(|error| {
         eprintln!("error: {}", output::told(&error));
-        // What an interrupt broke off is no fault of the input.
+        // An interrupt is no fault of the input.
         ExitCode::from(if interrupt::asked() {
             interrupt::STATUS
         } else {

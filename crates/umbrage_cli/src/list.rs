@@ -17,7 +17,7 @@ use crate::{
     output::{print, print_json},
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Listing {
     /// How many legal keys there are, at most 2^64 - 1.

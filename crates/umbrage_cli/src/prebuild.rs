@@ -20,7 +20,7 @@ use crate::{
     targets::target,
 };
 
-/// What a folder that prebuild wrote is known by.
+/// File by which a folder that prebuild wrote is known.
 const INDEX: &str = "index.json";
 
 /// Marks an index as prebuild's own. The number goes up when the folder's layout changes.
@@ -29,7 +29,7 @@ const FORMAT: &str = "umbrage prebuild 1";
 /// Hexadecimal digits of a file's name.
 const STEM: usize = 32;
 
-/// What a permutation's files end in.
+/// Extensions of a permutation's files.
 const EXTENSIONS: [&str; 3] = ["wgsl", "spv", "json"];
 
 const PREBUILD: Kind = Kind {

@@ -18,7 +18,7 @@ use crate::{
     output::{check_picture, print_json, waiting},
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report<'a> {
     picture: &'a Path,
@@ -132,9 +132,11 @@ fn options(args: &RenderArgs) -> RenderOptions {
             What::ShaftFetches => render::What::ShaftFetches,
             What::Splits => render::What::Splits,
         },
-        method: args.method.clone(),
-        axes: args.axes.iter().cloned().collect(),
-        settings: args.settings.iter().cloned().collect(),
+        shadow: Shadow {
+            method: args.method.clone().unwrap_or_default(),
+            axes: args.axes.iter().cloned().collect(),
+            settings: args.settings.iter().cloned().collect(),
+        },
         path: args.path,
         shaft_steps: args.shaft_steps,
         ..RenderOptions::default()

@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(names(folder.path()), [out]);
     }
 
-    /// What the test below runs where files may not grow.
+    /// Writer that the test below runs where files may not grow.
     #[test]
     #[ignore = "run by a_full_disk_leaves_the_earlier_report"]
     fn writer_on_a_full_disk() {

@@ -21,7 +21,7 @@ use crate::{
     output::{Bars, print, print_json},
 };
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Report<'a> {
     adapter: &'a str,
@@ -50,7 +50,7 @@ pub(crate) fn stress(args: &StressArgs, known: Known) -> Result<ExitCode> {
         composer = composer.with_disk_cache(folder)?;
     }
     let store = args.cache.as_ref().map(TruthStore::open).transpose()?;
-    let variants = Config::variants(&limits, &methods, &registry, composer.library())?;
+    let variants = limits.variants_of(&methods, &registry, composer.library())?;
     let variants = chosen_variants(args.variants.as_deref(), variants)?;
     let mut lab = Lab::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
     let bars = Bars::default();

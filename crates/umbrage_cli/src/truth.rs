@@ -17,7 +17,7 @@ use crate::{
     render::choose_light,
 };
 
-/// What `--json` prints: all that a tracer of another make needs beside the scene's triangles.
+/// Output of `--json`: all that a tracer of another make needs beside the scene's triangles.
 #[derive(Serialize)]
 struct Report<'a> {
     picture: &'a Path,

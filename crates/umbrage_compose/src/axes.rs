@@ -20,7 +20,7 @@ pub struct Axes {
 pub struct Axis {
     /// Its name.
     pub name: String,
-    /// What is chosen.
+    /// Description of the choice.
     pub doc: String,
     /// The value where a key says nothing; none where it must say.
     pub default: Option<String>,
@@ -43,11 +43,13 @@ impl Axis {
     }
 }
 
-/// What a value asks of the linker. Modules are named by their package and path.
+/// Demands of a value on the linker. Modules are named by their package and path.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effect {
     pub(crate) root: Option<String>,
     pub(crate) pass: Option<Pass>,
+    /// The interface whose implementations the root calls in turn, one for each key of a shader of several.
+    pub(crate) each: Option<String>,
     pub(crate) bind: BTreeMap<String, String>,
     pub(crate) features: Vec<String>,
     pub(crate) count_fetches: Option<CountFetches>,
@@ -76,10 +78,11 @@ impl CountFetches {
     }
 }
 
-/// What a value asks of the linker, by the numbers of a library's modules and features.
+/// Demands of a value on the linker, by the numbers of a library's modules and features.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct EffectNumbers {
     pub(crate) root: Option<usize>,
+    pub(crate) each: Option<usize>,
     pub(crate) bind: Vec<(usize, usize)>,
     pub(crate) features: Bits,
     pub(crate) counting: Option<Counting>,
@@ -129,14 +132,14 @@ impl Axes {
         effects.flat_map(|effect| effect.features.iter().map(String::as_str))
     }
 
-    /// What every value of every axis asks for.
+    /// Effects of every value of every axis.
     pub(crate) fn effects_mut(&mut self) -> impl Iterator<Item = &mut Effect> {
         self.axes
             .values_mut()
             .flat_map(|axis| axis.values.values_mut())
     }
 
-    /// What `key` asks of the linker, axis by axis.
+    /// Effects of `key` on the linker, axis by axis.
     pub(crate) fn effects<'a>(
         &'a self,
         key: &'a Key,
@@ -262,8 +265,13 @@ impl Axes {
         }
     }
 
-    /// Takes in the axes of a package: new axes, and new values for known ones.
-    pub(crate) fn merge(&mut self, package: &str, source: &SourceText) -> Result<(), Error> {
+    /// Takes in the axes of a package, after those that `merged` have: new axes, and new values for known ones.
+    pub(crate) fn merge(
+        &mut self,
+        package: &str,
+        source: &SourceText,
+        merged: &[&SourceText],
+    ) -> Result<(), Error> {
         let file: AxesFile = ron_text::parse(source)?;
         for (name, what) in file.capabilities {
             if let Some(other) = self.capabilities.get(&name) {
@@ -276,7 +284,7 @@ impl Axes {
             self.capabilities.insert(name, what);
         }
         for (name, axis) in file.axes {
-            self.merge_axis(package, source, name, axis)?;
+            self.merge_axis(package, (source, merged), name, axis)?;
         }
         Ok(())
     }
@@ -284,7 +292,7 @@ impl Axes {
     fn merge_axis(
         &mut self,
         package: &str,
-        source: &SourceText,
+        (source, merged): (&SourceText, &[&SourceText]),
         name: String,
         file: AxisFile,
     ) -> Result<(), Error> {
@@ -306,7 +314,7 @@ impl Axes {
             axis.doc = doc;
         }
         for (value, effect) in file.values {
-            if effect.pass.is_some() && effect.root.is_none() {
+            if (effect.pass.is_some() || effect.each.is_some()) && effect.root.is_none() {
                 let message = format!("`{value}` of `{name}` tells of a pass, and has no root");
                 return Err(Fault::new(Cause::Manifest, message)
                     .at(ron_text::literal(source, &[&name, &value]))
@@ -320,6 +328,7 @@ impl Axes {
             let effect = Effect {
                 root: effect.root.map(own),
                 pass: effect.pass,
+                each: effect.each.map(own),
                 bind: effect
                     .bind
                     .into_iter()
@@ -341,8 +350,7 @@ impl Axes {
                 numbers: EffectNumbers::default(),
             };
             if axis.values.insert(value.as_str().into(), effect).is_some() {
-                let message = format!("axis `{name}` has the value `{value}` already");
-                return Err(fault(message, &[&name, &value]));
+                return Err(two_values(&name, &value, source, merged).into());
             }
         }
         if let Some(provides) = file.provides {
@@ -381,6 +389,24 @@ impl Axes {
         }
         Ok(())
     }
+}
+
+/// Fault for a value that two packages have.
+fn two_values(name: &str, value: &str, source: &SourceText, merged: &[&SourceText]) -> Fault {
+    let has = |earlier: &&&SourceText| {
+        let file = ron_text::parse::<AxesFile>(earlier);
+        file.is_ok_and(|file| {
+            let axis = file.axes.get(name);
+            axis.is_some_and(|axis| axis.values.contains_key(value))
+        })
+    };
+    let message = format!("two packages have a value `{value}` for the axis `{name}`");
+    let path = [name, "values", value];
+    let mut fault = Fault::new(Cause::Manifest, message).at(ron_text::literal(source, &path));
+    for earlier in merged.iter().filter(has) {
+        fault = fault.at(ron_text::literal(earlier, &path));
+    }
+    fault.note("rename one of them, and the part that goes by its name")
 }
 
 fn suggest(fault: Fault, name: &str, what: &str, known: &[&str]) -> Fault {
@@ -423,6 +449,8 @@ struct EffectFile {
     root: Option<String>,
     #[serde(default)]
     pass: Option<Pass>,
+    #[serde(default)]
+    each: Option<String>,
     #[serde(default, deserialize_with = "ron_text::unique")]
     bind: BTreeMap<String, String>,
     #[serde(default)]

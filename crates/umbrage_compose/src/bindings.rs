@@ -7,11 +7,11 @@ use naga::{AddressSpace, GlobalVariable, Handle, Module, ResourceBinding};
 use crate::{Cause, Fault, Library, names::Item};
 
 /// Gives every resource its binding number: the author's where it is free in its group, otherwise
-/// the least that is, in the order of the modules' paths.
+/// the least that is, in the order of instances and of the modules' paths.
 pub(crate) fn allocate(
     library: &Library,
     module: &mut Module,
-    owners: &[Item],
+    (owners, instances): (&[Item], &[usize]),
 ) -> Result<(), Fault> {
     let mut resources = Vec::new();
     for (handle, global) in module.global_variables.iter() {
@@ -40,6 +40,7 @@ pub(crate) fn allocate(
         };
         resources.push((
             binding.group,
+            instances[handle.index()],
             source.path.as_str(),
             binding.binding,
             &item.name,
@@ -49,7 +50,7 @@ pub(crate) fn allocate(
     resources.sort();
     let mut taken: BTreeMap<(u32, u32), Handle<GlobalVariable>> = BTreeMap::new();
     let mut late = Vec::new();
-    for (group, _, binding, _, handle) in &resources {
+    for (group, _, _, binding, _, handle) in &resources {
         match taken.entry((*group, *binding)) {
             btree_map::Entry::Vacant(entry) => {
                 entry.insert(*handle);

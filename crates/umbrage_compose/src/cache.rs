@@ -1,6 +1,6 @@
 //! The disk cache: permutations by the hash of all that they depend on, in a [`Store`].
 //!
-//! What is read must be of the key that was asked for, and its module must pass the validator.
+//! An entry read must be of the key that was asked for, and its module must pass the validator.
 
 use std::{path::PathBuf, sync::OnceLock};
 
@@ -8,7 +8,7 @@ use naga::Module;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Error, Key, Library, Limit, Pass, Permutation, ProjectedKey, Reflection, Target,
+    Error, Library, Limit, Pass, Permutation, ProjectedKey, Reflection, Target,
     diagnostics::Written,
     permutation::validate,
     project::Dependencies,
@@ -17,7 +17,7 @@ use crate::{
 
 /// Of what an entry looks like; the header changes with it.
 const KIND: Kind = Kind {
-    header: b"umbrage cache 04",
+    header: b"umbrage cache 05",
     extension: "umbrage",
 };
 
@@ -50,12 +50,12 @@ impl DiskCache {
         Store::open(dir, KIND).map(Self)
     }
 
-    /// The name of the entry for `key`: the hash of what the permutation depends on.
+    /// The name of the entry for `keys`: the hash of what the permutation depends on.
     pub(crate) fn name(
         library: &Library,
         target: &Target,
-        key: &Key,
-        dependencies: &Dependencies,
+        keys: &[ProjectedKey],
+        dependencies: &[&Dependencies],
     ) -> String {
         let mut hasher = blake3::Hasher::new();
         let mut part = |bytes: &[u8]| {
@@ -70,22 +70,25 @@ impl DiskCache {
             part(&target.limit(*limit).to_le_bytes());
         }
         part(&[u8::from(target.has_vertex_writes())]);
-        part(key.to_string().as_bytes());
-        // What the choices ask of the linker may change with the axes, and the key stay the same.
-        for (axis, effect) in library.axes().effects(key) {
-            part(axis.name.as_bytes());
-            let asked = (
-                &effect.root,
-                &effect.bind,
-                &effect.features,
-                &effect.count_fetches,
-            );
-            part(format!("{asked:?}").as_bytes());
-        }
-        for module in dependencies.modules.iter() {
-            let source = library.source(module);
-            part(source.path.as_bytes());
-            part(source.text.as_bytes());
+        for (key, found) in keys.iter().zip(dependencies) {
+            part(key.to_string().as_bytes());
+            // The choices' demands on the linker may change with the axes, and the key stay the same.
+            for (axis, effect) in library.axes().effects(key) {
+                part(axis.name.as_bytes());
+                let asked = (
+                    &effect.root,
+                    &effect.bind,
+                    &effect.features,
+                    &effect.count_fetches,
+                );
+                part(format!("{asked:?}").as_bytes());
+            }
+            for module in found.modules.iter() {
+                let source = library.source(module);
+                part(source.path.as_bytes());
+                part(source.text.as_bytes());
+                part(format!("{:?}", library.groups(module)).as_bytes());
+            }
         }
         hasher.finalize().to_hex().to_string()
     }
@@ -93,17 +96,17 @@ impl DiskCache {
     pub(crate) fn look(
         &self,
         name: &str,
-        (key, pass): (&ProjectedKey, Option<Pass>),
+        (keys, pass): (&[ProjectedKey], Option<Pass>),
         target: &Target,
     ) -> Look<Permutation> {
-        let decode = |payload: &[u8]| decode(payload, (key, pass), target);
+        let decode = |payload: &[u8]| decode(payload, (keys, pass), target);
         self.0.look(name, decode)
     }
 
     /// Keeps `permutation`; a warning where that fails.
     pub(crate) fn keep(&self, name: &str, permutation: &Permutation) -> Option<String> {
         let entry = EntryOut {
-            key: permutation.key.to_string(),
+            key: text(permutation.keys()),
             module: &permutation.module,
             reflection: &permutation.reflection,
             warnings: &permutation.warnings,
@@ -116,19 +119,25 @@ impl DiskCache {
     }
 }
 
+fn text<'a>(keys: impl IntoIterator<Item = &'a ProjectedKey>) -> String {
+    let keys = keys.into_iter().map(ToString::to_string);
+    keys.collect::<Vec<_>>().join(" + ")
+}
+
 fn decode(
     payload: &[u8],
-    (key, pass): (&ProjectedKey, Option<Pass>),
+    (keys, pass): (&[ProjectedKey], Option<Pass>),
     target: &Target,
 ) -> Result<Permutation, &'static str> {
     let entry: EntryIn = postcard::from_bytes(payload).map_err(|_| "it cannot be decoded")?;
-    if entry.key != key.to_string() {
+    let Some((key, others)) = keys.split_first().filter(|_| entry.key == text(keys)) else {
         return Err("it is of another key");
-    }
+    };
     let capabilities = target.capabilities();
     let info = validate(&entry.module, capabilities).map_err(|_| "its module is not valid")?;
     Ok(Permutation {
         key: key.clone(),
+        others: others.to_vec(),
         pass,
         module: entry.module,
         capabilities,

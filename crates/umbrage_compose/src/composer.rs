@@ -1,24 +1,27 @@
 //! The composer: from a key to a permutation, by the shortest way.
 
 use std::{
+    borrow::Borrow,
     cell::RefCell,
     collections::{BTreeSet, HashMap},
+    hash::Hash,
     path::PathBuf,
-    sync::{Arc, OnceLock, RwLock},
+    sync::{Arc, OnceLock, PoisonError, RwLock},
 };
 
 use crate::{
-    Error, Fault, Key, Library, Permutation, ProjectedKey, Target,
+    Cause, Error, Fault, Key, Library, Permutation, ProjectedKey, Target,
     bits::Bits,
     cache::DiskCache,
     checker::Verdicts,
     features::Features,
     fetches,
     library::Request,
-    link::{Roots, Targets, Units, link},
+    link::{Targets, Units, link},
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, dependencies, project},
-    reach::{Reach, reach},
+    reach::{Reach, Roots, reach},
+    several::{Part, Several},
     space::{Known, Read, Selection, Variant, Variants},
     store::Look,
     translate::TranslatedModules,
@@ -36,7 +39,9 @@ pub struct Composer {
     target: Target,
     disk: Option<DiskCache>,
     /// By key, and by projected key.
-    memory: RwLock<HashMap<Key, Arc<Permutation>>>,
+    memory: Memory<Key, Arc<Permutation>>,
+    /// The same of several keys, and faults: that lights are too many for one shader is asked in every frame.
+    several: Memory<Vec<Key>, Result<Arc<Permutation>, Error>>,
     /// By module.
     modules: Vec<RwLock<Readings>>,
     translated: TranslatedModules,
@@ -108,6 +113,13 @@ impl Readings {
     }
 }
 
+impl Entry {
+    /// Whether both are of one text, whose names mean the same.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.unit, &other.unit)
+    }
+}
+
 /// A permutation, and how it was come by.
 #[derive(Clone, Debug)]
 pub struct Composed {
@@ -168,6 +180,7 @@ impl Composer {
             target,
             disk: None,
             memory: RwLock::default(),
+            several: RwLock::default(),
             modules,
         }
     }
@@ -270,22 +283,33 @@ impl Composer {
                 warnings: Vec::new(),
             });
         }
+        let keys = [projected];
+        let composed = self.on_disk_or(&keys, &[&found], || {
+            self.make(&request, &found, keys[0].clone())
+        })?;
+        self.remember(&keys[0], &composed.permutation);
+        Ok(composed)
+    }
+
+    /// The permutation of `keys`, which depends on what was `found` of each: from disk, or as `make` makes it.
+    fn on_disk_or(
+        &self,
+        keys: &[ProjectedKey],
+        found: &[&Dependencies],
+        make: impl FnOnce() -> Result<Permutation, Fault>,
+    ) -> Result<Composed, Fault> {
         let mut warnings = Vec::new();
-        let name = self.disk.as_ref().map(|disk| {
-            (
-                disk,
-                DiskCache::name(&self.library, &self.target, &projected, &found),
-            )
+        let on_disk = self.disk.as_ref().map(|disk| {
+            let name = DiskCache::name(&self.library, &self.target, keys, found);
+            (disk, name)
         });
-        if let Some((disk, name)) = &name {
-            let pass = self.library.axes().pass(&projected);
-            match disk.look(name, (&projected, pass), &self.target) {
+        if let Some((disk, name)) = &on_disk {
+            let pass = self.library.axes().pass(&keys[0]);
+            match disk.look(name, (keys, pass), &self.target) {
                 Look::Found(permutation) => {
-                    let permutation = Arc::new(permutation);
-                    self.remember(&projected, &permutation);
                     warnings.extend(permutation.warnings.iter().cloned());
                     return Ok(Composed {
-                        permutation,
+                        permutation: Arc::new(permutation),
                         source: Source::Disk,
                         warnings,
                     });
@@ -294,17 +318,118 @@ impl Composer {
                 Look::Dropped(warning) => warnings.push(warning),
             }
         }
-        let permutation = self.make(&request, &found, projected.clone())?;
-        if let Some((disk, name)) = &name {
+        let permutation = make()?;
+        if let Some((disk, name)) = &on_disk {
             warnings.extend(disk.keep(name, &permutation));
         }
         warnings.extend(permutation.warnings.iter().cloned());
-        let permutation = Arc::new(permutation);
-        self.remember(&projected, &permutation);
         Ok(Composed {
-            permutation,
+            permutation: Arc::new(permutation),
             source: Source::Linked,
             warnings,
+        })
+    }
+
+    /// One permutation of several keys, in the order given: where its pass's module calls a function of the interface that
+    /// `axes.ron` names with `each`, it calls that of each key in turn. So a surface is shaded by several lights at
+    /// once, each with a method and a filter of its own. What the pass reaches otherwise is there once, and has to be
+    /// the same for all keys; each key's own resources are told apart by [`Binding::instance`](crate::Binding::instance). Uniform
+    /// blocks of the second key and those after it are read-only storage buffers, as a stage has few uniform ones.
+    ///
+    /// # Errors
+    /// No key, keys of another pass or of one that calls nothing in turn, keys that ask for what is there once in two
+    /// ways, a function called in turn that gives something back, faults of each key's own permutation, and what the
+    /// target does not allow, such as more textures than a stage may have.
+    pub fn compose_all(&self, keys: &[Key]) -> Result<Composed, Error> {
+        let first = match keys {
+            [] => {
+                let fault = Fault::new(Cause::Key, "no key, so no permutation");
+                return Err(fault.note("give one key at the least").into());
+            }
+            [key] => return self.compose(key),
+            [first, ..] => first,
+        };
+        let remembered = |known: Result<Arc<Permutation>, Error>| {
+            Ok(Composed {
+                permutation: known?,
+                source: Source::Memory,
+                warnings: Vec::new(),
+            })
+        };
+        if let Some(known) = kept(&self.several, keys) {
+            return remembered(known);
+        }
+        let projected = keys
+            .iter()
+            .map(|key| Ok(self.compose(key)?.permutation.key.clone()))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let names: Vec<Key> = projected.iter().cloned().map(Key::from).collect();
+        let composed = match kept(&self.several, &names) {
+            Some(known) => remembered(known),
+            None => self.compose_several(&projected).map_err(|fault| {
+                let others: Vec<_> = keys[1..].iter().map(ToString::to_string).collect();
+                let others = format!("in one shader with {}", others.join(" and "));
+                fault.note(others).key(first).into()
+            }),
+        };
+        let outcome = match &composed {
+            Ok(composed) => Ok(composed.permutation.clone()),
+            Err(error) => Err(error.clone()),
+        };
+        keep(&self.several, names, outcome.clone());
+        keep(&self.several, keys.to_vec(), outcome);
+        composed
+    }
+
+    /// The permutation of several keys, of which each makes one by itself.
+    fn compose_several(&self, keys: &[ProjectedKey]) -> Result<Composed, Fault> {
+        let parts = keys.iter().map(|key| {
+            let (request, all) = self.read(key)?;
+            let with = WithFeatures {
+                composer: self,
+                enabled: &request.features,
+            };
+            let (side, outcome) = dependencies(&request, request.each, &with);
+            outcome.map(|()| Part {
+                key: Key::clone(key),
+                request,
+                all,
+                side,
+            })
+        });
+        let parts = parts.collect::<Result<Vec<_>, Fault>>()?;
+        let unit = |module: usize, entry: &Entry| self.unit(module, entry).cloned();
+        let several = Several::new(&self.library, &parts, unit)?;
+        let found: Vec<_> = parts.iter().map(|part| &part.all).collect();
+        self.on_disk_or(keys, &found, || self.make_several(&parts, &several, keys))
+    }
+
+    fn make_several(
+        &self,
+        parts: &[Part],
+        several: &Several,
+        keys: &[ProjectedKey],
+    ) -> Result<Permutation, Fault> {
+        let units = parts.iter().map(|part| {
+            let entries = part.all.entries.iter();
+            let entries = entries.map(|(module, entry)| (*module, &**entry));
+            AsRead::new(self, &part.request, entries)
+        });
+        let units = OfInstances {
+            several,
+            units: units.collect(),
+        };
+        let request = &several.requests[0];
+        let targets = Targets::new(&self.library, request, &units).of_several(several);
+        let reach = reach(&targets, request.root, Roots::EntryPoints)?;
+        // No two instances share what an implementation by itself may not.
+        let (module, origins) = link(&targets, &reach, Roots::EntryPoints, true)?;
+        let (library, target) = (&self.library, &self.target);
+        let linked = (module, &origins);
+        let permutation = Permutation::new(library, target, keys[0].clone(), request.root, linked)?;
+        Ok(Permutation {
+            others: keys[1..].to_vec(),
+            ..permutation
         })
     }
 
@@ -428,24 +553,16 @@ impl Composer {
             composer: self,
             enabled: &request.features,
         };
-        dependencies(request, &with)
+        dependencies(request, None, &with)
     }
 
-    // A poisoned lock guards a map that is whole all the same: entries go in by one call.
     fn remembered(&self, key: &Key) -> Option<Arc<Permutation>> {
-        let memory = self
-            .memory
-            .read()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        memory.get(key).cloned()
+        kept(&self.memory, key)
     }
 
     /// Projected keys of all permutations that it composed, sorted: what a run of a program needs.
     pub fn composed(&self) -> Vec<ProjectedKey> {
-        let memory = self
-            .memory
-            .read()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let memory = self.memory.read().unwrap_or_else(PoisonError::into_inner);
         let mut keys: Vec<_> = memory.values().map(|kept| kept.key.clone()).collect();
         keys.sort_unstable();
         keys.dedup();
@@ -453,13 +570,7 @@ impl Composer {
     }
 
     fn remember(&self, key: &Key, permutation: &Arc<Permutation>) {
-        let mut memory = self
-            .memory
-            .write()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        memory
-            .entry(key.clone())
-            .or_insert_with(|| permutation.clone());
+        keep(&self.memory, key.clone(), permutation.clone());
     }
 
     fn entry(&self, module: usize, enabled: &Bits) -> Arc<Entry> {
@@ -471,11 +582,7 @@ impl Composer {
                 _ => None,
             }
         };
-        let found = known(
-            &lock
-                .read()
-                .unwrap_or_else(std::sync::PoisonError::into_inner),
-        );
+        let found = known(&lock.read().unwrap_or_else(PoisonError::into_inner));
         if let Some(entry) = found {
             return entry;
         }
@@ -486,9 +593,7 @@ impl Composer {
             asked: &asked,
         };
         let prepared = prepare(&self.library, module, &features, &self.translated).map(Arc::new);
-        let mut readings = lock
-            .write()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut readings = lock.write().unwrap_or_else(PoisonError::into_inner);
         // Another thread may have been faster.
         if let Some(entry) = known(&readings) {
             return entry;
@@ -525,7 +630,7 @@ impl Composer {
     pub(crate) fn read_undecided(&self, module: usize, known: &Known) -> Read {
         let readings = self.modules[module]
             .read()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+            .unwrap_or_else(PoisonError::into_inner);
         let (_, found) = readings.find(|feature| known.decided(feature));
         let found = found.clone();
         drop(readings);
@@ -543,6 +648,22 @@ impl Composer {
             Err(fault) => Read::Fault(fault.clone()),
         }
     }
+}
+
+type Memory<K, V> = RwLock<HashMap<K, V>>;
+
+// A poisoned lock guards a map that is whole all the same: entries go in by one call.
+fn kept<K: Eq + Hash + Borrow<Q>, Q: Eq + Hash + ?Sized, V: Clone>(
+    memory: &Memory<K, V>,
+    key: &Q,
+) -> Option<V> {
+    let memory = memory.read().unwrap_or_else(PoisonError::into_inner);
+    memory.get(key).cloned()
+}
+
+fn keep<K: Eq + Hash, V>(memory: &Memory<K, V>, key: K, value: V) {
+    let mut memory = memory.write().unwrap_or_else(PoisonError::into_inner);
+    memory.entry(key).or_insert(value);
 }
 
 /// Whether one of the modules `from` imports `to`, directly or not.
@@ -636,5 +757,18 @@ impl Units for AsRead<'_> {
             // A fault may lie in another module.
             _ => self.with.unit(module),
         }
+    }
+}
+
+/// Modules of a shader of several keys, as each key has them.
+struct OfInstances<'a> {
+    several: &'a Several,
+    units: Vec<AsRead<'a>>,
+}
+
+impl Units for OfInstances<'_> {
+    fn unit(&self, number: usize) -> Result<Arc<Unit>, Fault> {
+        let (instance, module) = (self.several.instance(number), self.several.module(number));
+        self.units[instance].unit(module)
     }
 }

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use naga::{Constant, Expression, GlobalVariable, Handle, Override, Span, Type, TypeInner};
+use naga::{
+    Constant, Expression, GlobalVariable, Handle, Override, ResourceBinding, Span, Type, TypeInner,
+};
 
-use crate::{Fault, link::Linker, unit::Unit};
+use crate::{Fault, link::Linker, reach::Program as _, unit::Unit};
 
 impl Linker<'_> {
     pub(crate) fn ty(
@@ -62,13 +64,14 @@ impl Linker<'_> {
         }
         // A stand-in has the value of what it stands for.
         let item = unit.constants.get(&handle);
-        if let Some(done) = item.and_then(|item| self.constants.get(item)) {
+        let item = item.map(|item| self.targets.item(module, item));
+        if let Some(done) = item.as_deref().and_then(|item| self.constants.get(item)) {
             self.copies.constants.insert((module, handle), *done);
             return Ok(*done);
         }
         let original = &unit.module.constants[handle];
-        let mut name = item.map(|item| item.name.clone());
-        self.rename(item.map_or(module, |item| item.module), &mut name);
+        let mut name = item.as_ref().map(|item| item.name.clone());
+        self.rename(item.as_ref().map_or(module, |item| item.module), &mut name);
         let copied = Constant {
             name,
             ty: self.ty(module, unit, original.ty)?,
@@ -78,7 +81,7 @@ impl Linker<'_> {
         let copied = self.out.constants.append(copied, span);
         self.copies.constants.insert((module, handle), copied);
         if let Some(item) = item {
-            self.constants.insert(item.clone(), copied);
+            self.constants.insert(item.into_owned(), copied);
         }
         Ok(copied)
     }
@@ -98,7 +101,8 @@ impl Linker<'_> {
             self.copies.overrides.insert((module, handle), *done);
             return Ok(*done);
         }
-        if let Some(item) = item.filter(|item| item.module != module) {
+        // A host sets it once, for all instances.
+        if let Some(item) = item.filter(|item| item.module != self.targets.module(module)) {
             let owner = self.unit(item.module)?;
             let own = owner
                 .overrides
@@ -137,8 +141,8 @@ impl Linker<'_> {
         if let Some(done) = self.copies.globals.get(&(module, handle)) {
             return Ok(*done);
         }
-        let item = &unit.globals[handle.index()];
-        let copied = match self.globals.get(item) {
+        let item = self.targets.item(module, &unit.globals[handle.index()]);
+        let copied = match self.globals.get(&*item) {
             Some(done) => *done,
             None => self.new_global(module, unit, handle)?,
         };
@@ -152,7 +156,7 @@ impl Linker<'_> {
         unit: &Arc<Unit>,
         handle: Handle<GlobalVariable>,
     ) -> Result<Handle<GlobalVariable>, Fault> {
-        let item = &unit.globals[handle.index()];
+        let item = self.targets.item(module, &unit.globals[handle.index()]);
         if item.module != module {
             let owner = self.unit(item.module)?;
             if let Some(own) = owner.own_globals.get(&item.name) {
@@ -169,14 +173,18 @@ impl Linker<'_> {
                 Some(init) => Some(self.expression(module, unit, init)?),
                 None => None,
             },
-            space: original.space,
-            binding: original.binding,
+            space: self.targets.space(module, original.space),
+            binding: original.binding.map(|binding| ResourceBinding {
+                group: self.targets.group(module, binding.group),
+                ..binding
+            }),
             memory_decorations: original.memory_decorations,
         };
         let span = self.shifted(module, unit, unit.module.global_variables.get_span(handle));
         let copied = self.out.global_variables.append(copied, span);
-        self.globals.insert(item.clone(), copied);
+        let item = item.into_owned();
         self.owners.push(item.clone());
+        self.globals.insert(item, copied);
         Ok(copied)
     }
 
@@ -251,7 +259,7 @@ impl Linker<'_> {
 
     /// `span` of a unit's module-level arenas, counted from the start of the library's texts.
     pub(crate) fn shifted(&self, module: usize, unit: &Unit, span: Span) -> Span {
-        let base = self.targets.library.source(module).base;
+        let base = self.targets.source(module).base;
         crate::unit::shifted(span, base, unit.own())
     }
 }

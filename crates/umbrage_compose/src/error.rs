@@ -12,7 +12,7 @@ use crate::{
     excerpt::{Excerpt, shortened},
 };
 
-/// What kind of fault it is.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -34,6 +34,8 @@ pub enum Cause {
     Recursion,
     /// The linked permutation is not valid on the target.
     Validation,
+    /// A stage uses more resources of a kind than the target allows.
+    Limit,
 }
 
 /// A place in an author's file.
@@ -45,7 +47,7 @@ pub struct Location {
     pub line: usize,
     /// The column in characters, from 1.
     pub column: usize,
-    /// What is to be said of the place; often empty.
+    /// Note on the place; often empty.
     pub label: String,
 }
 
@@ -54,13 +56,13 @@ pub struct Location {
 /// The first location is the fault's own; others are what it conflicts with.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// What kind of fault.
+    /// Kind of fault.
     pub cause: Cause,
-    /// What is wrong, as a lowercase fragment.
+    /// Message, as a lowercase fragment.
     pub message: String,
     /// Where: the fault's own place first.
     pub locations: Vec<Location>,
-    /// What to do about it, and what else helps.
+    /// Remedies, and what else helps.
     pub notes: Vec<String>,
     /// The permutations in which it was found; one, until faults are gathered.
     pub keys: Vec<Key>,

@@ -63,8 +63,8 @@ impl Consulted {
 pub(crate) struct Features<'a> {
     pub(crate) names: &'a FeatureNames,
     pub(crate) enabled: &'a Bits,
-    /// Features that were asked for, in the order of the first questions. Which question comes next depends on the
-    /// answers before it alone.
+    /// Features that were asked for, in the order of the first questions. The next question depends on the answers before
+    /// it alone.
     pub(crate) asked: &'a RefCell<Vec<usize>>,
 }
 

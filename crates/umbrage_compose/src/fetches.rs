@@ -87,7 +87,7 @@ impl Check<'_> {
                         counted.push(*span);
                     }
                 }
-                // What is computed, stored or called between a count and its fetch does not part them.
+                // Computing, storing or calling between a count and its fetch does not part them.
                 Statement::Store { .. }
                 | Statement::ImageStore { .. }
                 | Statement::Atomic { .. }

@@ -81,6 +81,15 @@
 //! In what its fragment stages reach, outside the modules excepted, each fetch is then paired with a
 //! call before it in the same run of plain statements; one that is not is a fault, at its own place.
 //!
+//! # Several keys in one shader
+//! A pass that adds up lights names an interface with `each`:
+//! ```ron
+//! "illumination": (root: "package::illumination", each: "package::interface::lit", bind: { … })
+//! ```
+//! [`Composer::compose_all`] makes one shader of several keys: a call through that interface, such as
+//! `add_light(point, &sum);`, calls the implementation of each key in turn. Each has bindings, features and resources of
+//! its own, told apart by [`Binding::instance`]; what the pass reaches otherwise is there once.
+//!
 //! # Faults
 //! Every fault says what is wrong, where (file, line, column, source line), and what to do; and in which
 //! permutation. See [`Fault`].
@@ -125,6 +134,7 @@ mod reach;
 mod reflect;
 mod ron_text;
 mod rules;
+mod several;
 mod source;
 mod space;
 mod store;

@@ -51,16 +51,19 @@ struct Inner {
 struct PackageEntry {
     name: String,
     dependencies: BTreeMap<String, Dependency>,
+    groups: BTreeMap<u32, u32>,
 }
 
-/// What a key asks of the linker, with modules as numbers.
+/// Demands of a key on the linker, with modules as numbers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Request {
     pub(crate) root: usize,
+    /// The interface whose implementations the root calls in turn.
+    pub(crate) each: Option<usize>,
     /// Interfaces and the modules that implement them.
     pub(crate) bindings: BTreeMap<usize, usize>,
     pub(crate) features: Bits,
-    /// What is to be called before each texture fetch.
+    /// Functions to be called before each texture fetch.
     pub(crate) counting: Vec<Counting>,
 }
 
@@ -92,11 +95,14 @@ impl Library {
             entries.push(PackageEntry {
                 name: package.name.clone(),
                 dependencies: package.dependencies.clone(),
+                groups: package.groups.clone(),
             });
         }
+        let mut merged = Vec::new();
         for package in &packages {
             if let Some(source) = &package.axes {
-                axes.merge(&package.name, source)?;
+                axes.merge(&package.name, source, &merged)?;
+                merged.push(source);
             }
         }
         let by_path: HashMap<_, _> = sources
@@ -111,6 +117,7 @@ impl Library {
             let bound = effect.bind.iter();
             effect.numbers = EffectNumbers {
                 root: effect.root.as_ref().and_then(module),
+                each: effect.each.as_ref().and_then(module),
                 bind: bound
                     .filter_map(|(k, v)| Some((module(k)?, module(v)?)))
                     .collect(),
@@ -323,6 +330,16 @@ impl Library {
         self.0.by_path.get(path).copied()
     }
 
+    /// The number of a bind group that `module` has as `group`.
+    pub(crate) fn group(&self, module: usize, group: u32) -> u32 {
+        self.groups(module).get(&group).copied().unwrap_or(group)
+    }
+
+    /// Bind groups by the numbers that `module` has for them, where these are others.
+    pub(crate) fn groups(&self, module: usize) -> &BTreeMap<u32, u32> {
+        &self.0.packages[self.source(module).package].groups
+    }
+
     /// The name of the package that modules of `package` call `name`.
     pub(crate) fn package_name<'a>(&'a self, package: usize, name: &'a str) -> Option<&'a str> {
         let dependency = self.0.packages[package].dependencies.get(name);
@@ -353,12 +370,13 @@ impl Library {
         (within <= self.0.sources[index].text.len()).then_some((index, within))
     }
 
-    /// What `key` asks of the linker.
+    /// Demands of `key` on the linker.
     pub(crate) fn request(&self, key: &Key) -> Result<Request, Fault> {
         let mut root = None;
         let mut request = Request::default();
         for (_, effect) in self.axes().effects(key) {
             root = effect.numbers.root.or(root);
+            request.each = effect.numbers.each.or(request.each);
             request.bindings.extend(effect.numbers.bind.iter().copied());
             request.features.union(&effect.numbers.features);
             request.counting.extend(effect.numbers.counting.clone());
@@ -382,6 +400,7 @@ impl Library {
                     .iter()
                     .flat_map(|(k, v)| [k, v])
                     .chain(&effect.root)
+                    .chain(&effect.each)
                     .map(String::as_str)
                     .chain(effect.count_fetches.iter().flat_map(CountFetches::modules));
                 for path in modules {
@@ -390,7 +409,7 @@ impl Library {
                         return Err(self.in_axes(fault, &[&axis.name, "values", value]).into());
                     }
                 }
-                for interface in effect.bind.keys() {
+                for interface in effect.bind.keys().chain(&effect.each) {
                     let module = self.module(interface);
                     if module.is_some_and(|module| !self.source(module).is_interface()) {
                         let message = format!("`{interface}` is no interface");

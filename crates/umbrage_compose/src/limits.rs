@@ -18,7 +18,7 @@ const LONGEST_EXPONENT: usize = 5;
 /// Bytes that a member may ask for by `@size` or `@align`.
 const LARGEST_MEMBER: u64 = 1 << 28;
 
-/// What of `text` is beyond a limit, and where.
+/// Finds the part of `text` that is beyond a limit, and says which limit.
 pub(crate) fn check(text: &str) -> Result<(), (String, Range<usize>)> {
     let mut scan = Scan::default();
     let bytes = text.as_bytes();

@@ -4,13 +4,14 @@
 //! that lead outside are put right.
 
 use std::{
+    borrow::Cow,
     cell::{OnceCell, RefCell},
     sync::Arc,
 };
 
 use naga::{
-    Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle, Module, Override,
-    Statement, Type, TypeInner,
+    AddressSpace, Block, Constant, EntryPoint, Expression, Function, GlobalVariable, Handle,
+    Module, Override, Statement, StorageAccess, Type, TypeInner,
 };
 use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
@@ -23,29 +24,41 @@ use crate::{
     library::Request,
     names::Item,
     overrides,
-    reach::{DEEPEST_CALLS, FunctionId, Program, Reach},
+    reach::{DEEPEST_CALLS, FunctionId, Program, Reach, Roots},
+    reflect::Owner,
+    several::Several,
+    source::Source,
     unit::{Facts, Unit},
 };
-
-/// What to start from.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Roots {
-    /// The root module's entry points.
-    EntryPoints,
-    /// All that the root module declares.
-    Declarations,
-}
 
 /// The declarations that a linked module's parts came from.
 #[derive(Debug)]
 pub(crate) struct Origins {
     /// By the variables' indices.
     pub(crate) owners: Vec<Item>,
+    /// The variables' instances, where a shader is of several keys.
+    pub(crate) instances: Vec<usize>,
     /// By the functions' indices.
     pub(crate) functions: Vec<FunctionId>,
     pub(crate) overrides: FxHashMap<Handle<Override>, Item>,
     /// Diagnostic filters of each module that something was copied from.
     pub(crate) filters: FxHashMap<usize, Arc<Filters>>,
+}
+
+impl Origins {
+    /// Declaration of a variable.
+    pub(crate) fn owner(
+        &self,
+        library: &Library,
+        variable: Handle<GlobalVariable>,
+    ) -> Option<Owner> {
+        let item = self.owners.get(variable.index())?;
+        Some(Owner {
+            module: library.source(item.module).path.clone(),
+            name: item.name.clone(),
+            instance: *self.instances.get(variable.index())?,
+        })
+    }
 }
 
 /// The units of the modules in hand.
@@ -64,7 +77,8 @@ pub(crate) fn link(
     let mut without = FxHashMap::default();
     for (&module, left_out) in &reach.left_out {
         let unit = targets.unit(module)?;
-        without.insert(module, unit.without(targets.library, module, left_out));
+        let home = targets.module(module);
+        without.insert(module, unit.without(targets.library, home, left_out));
     }
     let linker = Linker {
         targets,
@@ -94,13 +108,15 @@ pub(crate) struct Targets<'a> {
     pub(crate) library: &'a Library,
     pub(crate) request: &'a Request,
     pub(crate) units: &'a dyn Units,
+    /// The instances of a shader of several keys.
+    several: Option<&'a Several>,
     /// The units that were looked at.
     taken: Vec<OnceCell<Arc<Unit>>>,
     /// Those of them that are part of the permutation.
     parts: RefCell<Bits>,
     /// Calls from module to module, and what they lead to.
     pub(crate) known: RefCell<FxHashMap<FunctionId, FunctionId>>,
-    checked: RefCell<FxHashSet<usize>>,
+    checked: RefCell<FxHashSet<(usize, usize)>>,
 }
 
 impl Program for Targets<'_> {
@@ -114,23 +130,39 @@ impl Program for Targets<'_> {
         Ok(unit)
     }
 
+    fn module(&self, number: usize) -> usize {
+        self.several
+            .map_or(number, |several| several.module(number))
+    }
+
     fn target(&self, called: FunctionId) -> Result<FunctionId, Fault> {
         let unit = self.unit(called.0)?;
-        let (home, name) = unit.called[called.1.index()];
-        if home as usize == called.0 {
+        let home = unit.called[called.1.index()].0 as usize;
+        if home == self.module(called.0) {
             return Ok(called);
         }
         if let Some(target) = self.known.borrow().get(&called) {
             return Ok(*target);
         }
-        let item = &unit.functions[called.1.index()];
-        let module = self.implementation(called.0, item)?;
-        let target = match self.unit(module)?.by_number.get(&name) {
-            Some(handle) => (module, *handle),
-            None => return Err(self.not_callable(called.0, module, item)),
-        };
+        let instance = self.several.map_or(0, |several| several.instance(called.0));
+        let target = self.target_in(instance, called)?;
         self.known.borrow_mut().insert(called, target);
         Ok(target)
+    }
+
+    fn further(&self, called: FunctionId) -> Result<Vec<FunctionId>, Fault> {
+        let Some(several) = self.several.filter(|several| several.calls_each(called.0)) else {
+            return Ok(Vec::new());
+        };
+        let unit = self.unit(called.0)?;
+        if unit.called[called.1.index()].0 as usize != several.each {
+            return Ok(Vec::new());
+        }
+        if unit.module.functions[called.1].result.is_some() {
+            return Err(self.with_result(called));
+        }
+        let instances = 1..several.requests.len();
+        instances.map(|i| self.target_in(i, called)).collect()
     }
 }
 
@@ -140,10 +172,80 @@ impl<'a> Targets<'a> {
             library,
             request,
             units,
+            several: None,
             taken: vec![OnceCell::new(); library.sources().len()],
             parts: RefCell::default(),
             known: RefCell::new(with_room()),
             checked: RefCell::default(),
+        }
+    }
+
+    /// The same for a shader of several keys, of which `request` is the first's.
+    pub(crate) fn of_several(self, several: &'a Several) -> Self {
+        let modules = self.taken.len() * several.requests.len();
+        Self {
+            several: Some(several),
+            taken: vec![OnceCell::new(); modules],
+            ..self
+        }
+    }
+
+    /// The number of the library's `module`, as the module numbered `from` sees it.
+    pub(crate) fn number(&self, from: usize, module: usize) -> usize {
+        let number = |several: &Several| several.number(several.instance(from), module);
+        self.several.map_or(module, number)
+    }
+
+    /// `item` with its module's number, as the module numbered `from` sees it.
+    pub(crate) fn item<'i>(&self, from: usize, item: &'i Item) -> Cow<'i, Item> {
+        match self.number(from, item.module) {
+            module if module == item.module => Cow::Borrowed(item),
+            module => Cow::Owned(Item {
+                module,
+                name: item.name.clone(),
+            }),
+        }
+    }
+
+    /// The address space of a variable. Blocks of further instances are in storage: of uniform ones, a stage has few, and
+    /// Mesa 22 writes beyond its own memory where a branch reads the fourth.
+    pub(crate) fn space(&self, number: usize, space: AddressSpace) -> AddressSpace {
+        let further = self
+            .several
+            .is_some_and(|several| several.instance(number) > 0);
+        match space {
+            AddressSpace::Uniform if further => AddressSpace::Storage {
+                access: StorageAccess::LOAD,
+            },
+            space => space,
+        }
+    }
+
+    /// The number of a bind group that a module has as `group`.
+    pub(crate) fn group(&self, number: usize, group: u32) -> u32 {
+        self.library.group(self.module(number), group)
+    }
+
+    /// The source of the module with this number.
+    pub(crate) fn source(&self, number: usize) -> &'a Source {
+        self.library.source(self.module(number))
+    }
+
+    /// The function that `called` stands for in an instance.
+    fn target_in(&self, instance: usize, called: FunctionId) -> Result<FunctionId, Fault> {
+        let unit = self.unit(called.0)?;
+        let name = unit.called[called.1.index()].1;
+        let item = &unit.functions[called.1.index()];
+        let request = match self.several {
+            Some(several) => &several.requests[instance],
+            None => self.request,
+        };
+        let module = self.implementation(request, called.0, item)?;
+        let number = |several: &Several| several.number(instance, module);
+        let number = self.several.map_or(module, number);
+        match self.unit(number)?.by_number.get(&name) {
+            Some(handle) => Ok((number, *handle)),
+            None => Err(self.not_callable(called.0, module, item)),
         }
     }
 
@@ -179,13 +281,18 @@ impl<'a> Targets<'a> {
     }
 
     /// The module that has `item`'s body: of an interface's function, the one that is bound.
-    fn implementation(&self, caller: usize, item: &Item) -> Result<usize, Fault> {
+    fn implementation(
+        &self,
+        request: &Request,
+        caller: usize,
+        item: &Item,
+    ) -> Result<usize, Fault> {
         if !self.library.is_interface(item.module) {
             return Ok(item.module);
         }
-        match self.request.bindings.get(&item.module) {
+        match request.bindings.get(&item.module) {
             Some(&bound) => {
-                if bound != item.module && self.checked.borrow_mut().insert(item.module) {
+                if bound != item.module && self.checked.borrow_mut().insert((item.module, bound)) {
                     let (contract, implementation) = (self.unit(item.module)?, self.unit(bound)?);
                     interface::check(
                         self.library,
@@ -199,7 +306,7 @@ impl<'a> Targets<'a> {
                 let path = &self.library.source(item.module).path;
                 let message = format!("nothing is bound to the interface `{path}`");
                 Err(Fault::new(Cause::Interface, message)
-                    .at(self.library.source(caller).find(&item.name))
+                    .at(self.source(caller).find(&item.name))
                     .note("bind a module that implements it; bind the interface to itself for its null object"))
             }
         }
@@ -212,8 +319,22 @@ impl<'a> Targets<'a> {
             item.name
         );
         Fault::new(Cause::Type, message)
-            .at(self.library.source(caller).find(&item.name))
+            .at(self.source(caller).find(&item.name))
             .note("move what both need into a function of its own")
+    }
+
+    /// The fault of a call through the interface that each key has an implementation of, for what it gives back.
+    fn with_result(&self, called: FunctionId) -> Fault {
+        let name = self.look(called.0).map_or_else(
+            |_| String::new(),
+            |unit| unit.functions[called.1.index()].name.clone(),
+        );
+        let message = format!(
+            "`{name}` is called once for each key of a shader of several, and gives something back"
+        );
+        Fault::new(Cause::Interface, message)
+            .at(self.source(called.0).find(&name))
+            .note("let it add to what a parameter points to: `sum: ptr<function, vec3f>`")
     }
 }
 
@@ -291,13 +412,21 @@ impl Linker<'_> {
                 calls: &targets.calls()?,
             })?;
         }
-        bindings::allocate(library, &mut self.out, &self.owners)?;
         let mut filters = FxHashMap::default();
         for module in parts.iter() {
-            filters.insert(module, targets.unit(module)?.filters().clone());
+            let own = targets.unit(module)?.filters().clone();
+            filters.insert(targets.module(module), own);
         }
+        let several = targets.several;
+        let instance = |item: &Item| several.map_or(0, |several| several.instance(item.module));
+        let instances: Vec<_> = self.owners.iter().map(instance).collect();
+        for item in &mut self.owners {
+            item.module = targets.module(item.module);
+        }
+        bindings::allocate(library, &mut self.out, (&self.owners, &instances))?;
         let origins = Origins {
             owners: self.owners,
+            instances,
             functions: self.origins,
             overrides,
             filters,
@@ -416,7 +545,7 @@ impl Linker<'_> {
         if self.under_way.len() > DEEPEST_CALLS {
             let message = format!("calls nest more than {DEEPEST_CALLS} deep");
             return Err(Fault::new(Cause::Recursion, message)
-                .at(self.targets.library.source(id.0).place(0..0))
+                .at(self.targets.source(id.0).place(0..0))
                 .note("let functions of this module call fewer of each other"));
         }
         self.under_way.push(id);
@@ -441,7 +570,7 @@ impl Linker<'_> {
             return;
         };
         while self.own_names.contains(name) {
-            let path = &self.targets.library.source(module).path;
+            let path = &self.targets.source(module).path;
             let last = path.rsplit("::").next().unwrap_or("");
             *name = format!("{last}_{name}");
         }
@@ -454,7 +583,7 @@ impl Linker<'_> {
                 continue;
             };
             let name = unit.module.functions[id.1].name.clone().unwrap_or_default();
-            let source = self.targets.library.source(id.0);
+            let source = self.targets.source(id.0);
             let mut place = source.find(&format!("fn {name}"));
             place.label = "calls the next, and the last the first".to_owned();
             fault = fault.at(place);
@@ -481,7 +610,7 @@ impl Linker<'_> {
         }
         self.block(module, &mut function.body)?;
         for other in &facts.names {
-            self.targets.unit(*other)?;
+            self.targets.unit(self.targets.number(module, *other))?;
         }
         for (_, expression) in function.expressions.iter_mut() {
             self.outside(module, unit, expression)?;
@@ -516,11 +645,28 @@ impl Linker<'_> {
 
     /// Puts the calls of `block` right: its own, and then those of the blocks within it.
     fn block(&mut self, module: usize, block: &mut Block) -> Result<(), Fault> {
-        for statement in block.iter_mut() {
+        let mut further = Vec::new();
+        for (place, statement) in block.iter_mut().enumerate() {
             if let Statement::Call { function, .. } = statement {
-                let target = self.targets.target((module, *function))?;
-                *function = self.function(target)?;
+                let called = (module, *function);
+                *function = self.function(self.targets.target(called)?)?;
+                for target in self.targets.further(called)? {
+                    further.push((place, self.function(target)?));
+                }
             }
+        }
+        // Each key's in turn, after the first one's.
+        for (place, target) in further.into_iter().rev() {
+            let (mut call, span) = match block.span_iter().nth(place) {
+                Some((call, span)) => (call.clone(), *span),
+                None => continue,
+            };
+            if let Statement::Call { function, .. } = &mut call {
+                *function = target;
+            }
+            let mut next = Block::new();
+            next.push(call, span);
+            block.splice(place + 1..place + 1, next);
         }
         for statement in block.iter_mut() {
             let mut result = Ok(());

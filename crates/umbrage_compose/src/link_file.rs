@@ -15,8 +15,8 @@ use crate::{
 /// before). `package` is the folder of the package that `package::` means in the file; without it,
 /// the file's own folder.
 ///
-/// What naga's IR does not keep is folded into what uses it, and not printed: aliases, constants without
-/// a concrete type (`const A = 1;`) and assertions.
+/// Aliases, constants without a concrete type (`const A = 1;`) and assertions, which naga's IR does not keep, are folded
+/// into what uses them, and not printed.
 ///
 /// A module's diagnostic directives hold for that module's functions: they are printed as directives where all
 /// functions agree, and as attributes of functions otherwise. Attributes of statements become attributes of the

@@ -1,4 +1,4 @@
-//! What names mean: a module's own declarations, its imports, and paths written in code.
+//! Meanings of names: a module's own declarations, its imports, and paths written in code.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -25,7 +25,7 @@ impl Item {
     }
 }
 
-/// What an imported name stands for.
+/// Meaning of an imported name.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     Item(Item),
@@ -300,7 +300,7 @@ pub(crate) fn written_path(
     }
 }
 
-/// What the absolute path `segments` stands for: a declaration of a module, or a module.
+/// Meaning of the absolute path `segments`: a declaration of a module, or a module.
 fn resolve(
     site: &Site<'_>,
     segments: &[String],

@@ -32,6 +32,8 @@ pub struct Package {
     pub(crate) modules: BTreeMap<String, SourceText>,
     pub(crate) axes: Option<SourceText>,
     pub(crate) dependencies: BTreeMap<String, Dependency>,
+    /// Groups by the numbers that its modules have for them.
+    pub(crate) groups: BTreeMap<u32, u32>,
 }
 
 /// Another package, as a `wesl.toml` names it.
@@ -64,6 +66,7 @@ impl Package {
             modules: BTreeMap::new(),
             axes: None,
             dependencies: config.dependencies(dir)?,
+            groups: BTreeMap::new(),
         };
         if !root.is_dir() {
             return Err(Fault::new(
@@ -112,6 +115,14 @@ impl Package {
         Ok(package)
     }
 
+    /// The same with other numbers of bind groups: an engine that has its lights in group 2, say, has a package with lights in
+    /// group 1 link with `[(1, 2)]`. Groups that are not named keep theirs. Packages that share a group are given the
+    /// same numbers.
+    pub fn with_groups(mut self, groups: impl IntoIterator<Item = (u32, u32)>) -> Self {
+        self.groups = groups.into_iter().collect();
+        self
+    }
+
     /// A package from texts: `files` are paths relative to the package's root, such as
     /// `methods/basic.wesl` or `axes.ron`, with their texts. Faults name a file as `root`/path.
     ///
@@ -127,6 +138,7 @@ impl Package {
             modules: BTreeMap::new(),
             axes: None,
             dependencies: BTreeMap::new(),
+            groups: BTreeMap::new(),
         };
         for (path, text) in files {
             let (path, text): (String, String) = (path.into(), text.into());

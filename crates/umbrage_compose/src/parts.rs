@@ -1,9 +1,9 @@
 //! Parts of the space of keys: which legal keys lie in a part, and how questions of the linking split it.
 //!
-//! All is said in numbers. Values of all axes have one numbering. What values give has another: *marks*, one for each
-//! capability, each feature, and each claim (a root, a binding, a count of fetches). A [`Part`] is a set of open values
-//! and a set of marks that some chosen value must give, so a need of a value and an answer to a question ("this feature
-//! is on") are the same thing.
+//! All is said in numbers. Values of all axes have one numbering, *marks* another: a mark is a thing that values give, one
+//! for each capability, each feature, and each claim (a root, a binding, a count of fetches). A [`Part`] is a set of open
+//! values and a set of marks that some chosen value must give, so a need of a value and an answer to a question ("this
+//! feature is on") are the same thing.
 
 use std::{ops::Range, sync::Arc};
 
@@ -407,7 +407,7 @@ impl Table {
         self.mattering(part).map(|axis| &self.axes[axis].name)
     }
 
-    /// Those of the values `chosen` that are of axes which matter to `part`, ascending.
+    /// The values among `chosen` that are of axes which matter to `part`, ascending.
     pub(crate) fn mattering_choices(
         &self,
         part: &Part,

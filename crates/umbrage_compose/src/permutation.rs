@@ -30,12 +30,14 @@ use crate::{
 pub struct Permutation {
     /// The choices that it depends on: keys that cannot differ share it.
     pub key: ProjectedKey,
+    /// The same of the further keys, where it is of [several](crate::Composer::compose_all).
+    pub others: Vec<ProjectedKey>,
     /// How it is run, where its axes tell.
     pub pass: Option<Pass>,
     /// The shader, in naga's IR. The IR does not carry the diagnostic filters, without which a browser may refuse
     /// code that its author allowed: give a browser the text, [`Self::wgsl`].
     pub module: Module,
-    /// What it asks of its host.
+    /// Its demands on its host.
     pub reflection: Reflection,
     /// Warnings about the shader: breaches that the authors' diagnostic filters make less than an error, and rules
     /// that WGSL does not have.
@@ -70,8 +72,7 @@ impl Permutation {
         let settable = overrides::reflect(&module, &info, |handle| {
             origins.overrides.get(&handle).map(declared)
         });
-        let owner =
-            |handle: Handle<GlobalVariable>| origins.owners.get(handle.index()).map(declared);
+        let owner = |variable| origins.owner(library, variable);
         let used =
             |entry: usize, variable| info.get_entry_point(entry)[variable] != GlobalUse::empty();
         let size = |entry: &EntryPoint| overrides::workgroup_size(&module, &info, entry);
@@ -93,6 +94,7 @@ impl Permutation {
             warnings: told.iter().map(ToString::to_string).collect(),
             pass: library.axes().pass(&key),
             key,
+            others: Vec::new(),
             module,
             reflection,
             written,
@@ -114,10 +116,7 @@ impl Permutation {
         let used = |entry: usize, variable: Handle<GlobalVariable>| {
             uses[entry].contains(&numbers[variable.index()])
         };
-        let owner = |variable: Handle<GlobalVariable>| {
-            let item = origins.owners.get(variable.index())?;
-            Some((library.source(item.module).path.clone(), item.name.clone()))
-        };
+        let owner = |variable| origins.owner(library, variable);
         let size = |entry: &EntryPoint| entry.workgroup_size;
         let places = Places {
             library,
@@ -126,6 +125,7 @@ impl Permutation {
         Self {
             pass: library.axes().pass(&key),
             key,
+            others: Vec::new(),
             reflection: reflect(&module, used, owner, Vec::new(), size),
             warnings: Vec::new(),
             written: Written::new(&module, &places),
@@ -133,6 +133,11 @@ impl Permutation {
             info: OnceLock::new(),
             module,
         }
+    }
+
+    /// Its key, or keys.
+    pub fn keys(&self) -> impl Iterator<Item = &ProjectedKey> {
+        std::iter::once(&self.key).chain(&self.others)
     }
 
     /// Findings of naga's validator. A permutation of parts that were found valid before is not validated until

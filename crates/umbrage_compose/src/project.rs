@@ -11,7 +11,7 @@ use crate::{
     library::Request, prepare::Prepared,
 };
 
-/// What a request's permutation depends on.
+/// Dependencies of a request's permutation.
 #[derive(Debug, Default)]
 pub(crate) struct Dependencies {
     /// The modules that are read, in the order of their numbers.
@@ -33,9 +33,11 @@ pub(crate) trait Modules {
     }
 }
 
-/// Dependencies of the permutation that `request` asks for; with a fault, those found up to it.
+/// Dependencies of the permutation that `request` asks for, as far as they are found without following calls through
+/// the interface `but`; with a fault, those found up to it.
 pub(crate) fn dependencies(
     request: &Request,
+    but: Option<usize>,
     modules: &dyn Modules,
 ) -> (Dependencies, Result<(), Fault>) {
     let mut found = Dependencies::default();
@@ -52,7 +54,8 @@ pub(crate) fn dependencies(
         };
         found.consulted.union(&prepared.consulted);
         waiting.extend(&prepared.modules);
-        for &interface in &prepared.interfaces {
+        let interfaces = prepared.interfaces.iter();
+        for &interface in interfaces.filter(|interface| Some(**interface) != but) {
             found.interfaces.insert(interface);
             waiting.extend(request.bindings.get(&interface));
         }

@@ -11,10 +11,18 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     Cause, Fault, Library,
-    link::Roots,
     names::ItemNumber,
     unit::{Facts, Unit},
 };
+
+/// Parts of the root module to start from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Roots {
+    /// The root module's entry points.
+    EntryPoints,
+    /// All that the root module declares.
+    Declarations,
+}
 
 /// Calls nested deeper than this are refused: linking, validating and writing a shader recurse.
 pub(crate) const DEEPEST_CALLS: usize = 256;
@@ -28,8 +36,19 @@ pub(crate) trait Program {
 
     fn unit(&self, module: usize) -> Result<&Arc<Unit>, Fault>;
 
+    /// A module's number in the library.
+    fn module(&self, number: usize) -> usize {
+        number
+    }
+
     /// The function that `called`, a function or a stand-in in its module's unit, stands for.
     fn target(&self, called: FunctionId) -> Result<FunctionId, Fault>;
+
+    /// Functions that are called in turn after that one.
+    fn further(&self, called: FunctionId) -> Result<Vec<FunctionId>, Fault> {
+        let _ = called;
+        Ok(Vec::new())
+    }
 }
 
 /// What is reachable.
@@ -132,6 +151,7 @@ impl<P: Program> Walk<'_, P> {
     fn visit(&mut self, module: usize, facts: &Facts, depth: usize) -> Result<(), Fault> {
         if depth > DEEPEST_CALLS {
             let message = format!("calls nest more than {DEEPEST_CALLS} deep");
+            let module = self.program.module(module);
             return Err(Fault::new(Cause::Recursion, message)
                 .at(self.program.library().source(module).place(0..0))
                 .note("let functions of this module call fewer of each other"));
@@ -145,15 +165,18 @@ impl<P: Program> Walk<'_, P> {
         }
         for &(callee, unused) in &facts.calls {
             let target = self.program.target((module, callee))?;
-            // A call whose result is used is kept whatever else it does.
-            let idle = unused && self.is_idle(target, &mut Vec::new())?;
+            let further = self.program.further((module, callee))?;
+            // A call whose result is used is kept whatever else it does; so are calls in turn.
+            let idle = unused && further.is_empty() && self.is_idle(target, &mut Vec::new())?;
             if idle {
                 let left_out = self.left_out.entry(module).or_default();
                 left_out.calls.insert(callee);
             }
-            if !idle && self.seen.insert(target) {
-                let unit = self.program.unit(target.0)?;
-                self.visit(target.0, &unit.facts[target.1.index()], depth + 1)?;
+            for target in [target].into_iter().chain(further).filter(|_| !idle) {
+                if self.seen.insert(target) {
+                    let unit = self.program.unit(target.0)?;
+                    self.visit(target.0, &unit.facts[target.1.index()], depth + 1)?;
+                }
             }
         }
         Ok(())
@@ -180,6 +203,10 @@ impl<P: Program> Walk<'_, P> {
         }
         above.push(id);
         for &(callee, _) in &facts.calls {
+            if !self.program.further((id.0, callee))?.is_empty() {
+                above.pop();
+                return Ok(false);
+            }
             let target = self.program.target((id.0, callee))?;
             if !self.is_idle(target, above)? {
                 above.pop();

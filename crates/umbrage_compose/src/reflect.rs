@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::overrides::Override;
 
-/// What a permutation asks of its host.
+/// Demands of a permutation on its host.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflection {
     /// The entry points, in the order of the pass's module.
     pub entry_points: Vec<EntryPoint>,
-    /// What is to be bound, by group and binding number.
+    /// Resources to be bound, by group and binding number.
     pub bindings: Vec<Binding>,
     /// The overrides that a host may set, sorted by name.
     pub overrides: Vec<Override>,
@@ -75,7 +75,7 @@ pub struct VertexInput {
     pub name: String,
     /// How many components, 1 to 4.
     pub components: u32,
-    /// What each component is.
+    /// Scalar type of each component.
     pub scalar: Scalar,
 }
 
@@ -104,13 +104,16 @@ pub struct Binding {
     pub module: String,
     /// Its name in that module. The permutation's WGSL uses the same name, unless another module's resource has it.
     pub name: String,
+    /// Of a permutation of [several keys](crate::Composer::compose_all), the place of the key that it belongs to; 0 as
+    /// well for what is there once.
+    pub instance: usize,
     /// The stages that use it.
     pub stages: Vec<Stage>,
-    /// What it is.
+    /// Kind of resource.
     pub kind: BindingKind,
 }
 
-/// What kind of resource a binding is.
+/// Kind of resource that a binding is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BindingKind {
@@ -129,7 +132,7 @@ pub enum BindingKind {
     Texture {
         /// Its shape.
         dimension: TextureDimension,
-        /// What it holds.
+        /// Kind of its contents.
         sample: TextureSample,
         /// Whether a texel has several samples.
         multisampled: bool,
@@ -152,6 +155,22 @@ pub enum BindingKind {
     },
 }
 
+impl BindingKind {
+    /// The layout of a block of constants: of a uniform buffer, or of a storage buffer of a fixed size that the shader only
+    /// reads.
+    pub fn block(&self) -> Option<&Layout> {
+        match self {
+            Self::Uniform(layout)
+            | Self::Storage {
+                read_only: true,
+                run_time: false,
+                layout,
+            } => Some(layout),
+            _ => None,
+        }
+    }
+}
+
 /// A texture's shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -170,7 +189,7 @@ pub enum TextureDimension {
     D3,
 }
 
-/// What a texture holds.
+/// Kind of a texture's contents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureSample {
@@ -202,7 +221,7 @@ pub struct Member {
     pub offset: u32,
     /// Bytes that it fills.
     pub size: u32,
-    /// What it is.
+    /// Type of the member.
     pub ty: MemberType,
 }
 
@@ -239,10 +258,17 @@ pub enum MemberType {
 
 /// Reflects a valid `module`. `used` tells whether an entry point uses a variable, `owner` gives the module and name
 /// that a variable came from, `settable` the overrides that may be set, and `size` an entry point's workgroup size.
+/// Declaration of a variable: its module's path, its name there, and its instance.
+pub(crate) struct Owner {
+    pub(crate) module: String,
+    pub(crate) name: String,
+    pub(crate) instance: usize,
+}
+
 pub(crate) fn reflect(
     module: &Module,
     used: impl Fn(usize, Handle<GlobalVariable>) -> bool,
-    owner: impl Fn(Handle<GlobalVariable>) -> Option<(String, String)>,
+    owner: impl Fn(Handle<GlobalVariable>) -> Option<Owner>,
     settable: Vec<Override>,
     size: impl Fn(&naga::EntryPoint) -> [u32; 3],
 ) -> Reflection {
@@ -260,12 +286,13 @@ pub(crate) fn reflect(
         .iter()
         .filter_map(|(handle, global)| {
             let at = global.binding?;
-            let (module_path, name) = owner(handle)?;
+            let owner = owner(handle)?;
             Some(Binding {
                 group: at.group,
                 binding: at.binding,
-                module: module_path,
-                name,
+                module: owner.module,
+                name: owner.name,
+                instance: owner.instance,
                 stages: stages(module, |entry| used(entry, handle)),
                 kind: kind(module, global)?,
             })
@@ -482,6 +509,7 @@ mod tests {
             module: "demo::pass".to_owned(),
             name: format!("b{group}{binding}"),
             stages: vec![Stage::Fragment],
+            instance: 0,
             kind: BindingKind::Sampler { comparison: false },
         };
         let reflection = Reflection {

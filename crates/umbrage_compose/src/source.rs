@@ -293,7 +293,7 @@ fn quoted(token: &str) -> String {
     }
 }
 
-/// What follows the block comment at the start of `text`; such comments nest.
+/// Finds the rest of `text` after the block comment at its start; such comments nest.
 fn after_block_comment(text: &str) -> &str {
     let mut depth = 0usize;
     let mut index = 0;

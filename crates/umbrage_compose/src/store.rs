@@ -15,23 +15,23 @@ use crate::{
 ///
 /// An entry is a header that names the kind, the hash of what follows, and what follows. It is written to a
 /// temporary file beside its place and then renamed, so that another process sees it whole or not at all.
-/// What is damaged is dropped when it is read, and said.
+/// A damaged entry is dropped when it is read, and said.
 #[derive(Debug)]
 pub struct Store {
     dir: PathBuf,
     kind: Kind,
 }
 
-/// What the entries of a [`Store`] are.
+/// Kind of a [`Store`]'s entries.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What an entry begins with: the kind and the version of its format.
+    /// Beginning of an entry: the kind and the version of its format.
     pub header: &'static [u8; 16],
     /// How an entry's file name ends, without the dot.
     pub extension: &'static str,
 }
 
-/// What came of a look into a [`Store`].
+/// Outcome of a look into a [`Store`].
 #[derive(Debug)]
 pub enum Look<T> {
     /// There is an entry, whole and readable.

@@ -28,7 +28,7 @@ pub(crate) const JOINT: &str = "·";
 pub(crate) struct Stubs {
     /// WGSL to append to the module's own.
     pub(crate) text: String,
-    /// What each name stands for.
+    /// Item that each name stands for.
     pub(crate) items: HashMap<String, Item>,
 }
 
@@ -67,7 +67,7 @@ struct Builder<'a> {
     library: &'a Library,
     module: usize,
     translations: &'a mut dyn Translations,
-    /// What the module calls each item.
+    /// Names that the module calls items by.
     names: HashMap<Item, String>,
     queue: VecDeque<(String, Item)>,
     scopes: HashMap<usize, BTreeMap<String, Meaning>>,
@@ -250,7 +250,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What the module calls `item`; queues a stand-in where it has no name for it yet.
+    /// The module's name of `item`; queues a stand-in where it has no name for it yet.
     fn name(&mut self, item: Item) -> String {
         if let Some(name) = self.names.get(&item) {
             return name.clone();

@@ -26,7 +26,7 @@ use crate::{
     source::{Source, Syntax},
 };
 
-/// What of a module is there under some features.
+/// A module as it is under some features.
 #[derive(Debug, Default)]
 pub(crate) struct Translated {
     /// Imports in the text, and their places.
@@ -34,8 +34,7 @@ pub(crate) struct Translated {
     /// The declarations that are there, without the parts that are not. A function's body is left
     /// out: only the text has it.
     pub(crate) declarations: Vec<GlobalDeclarationNode>,
-    /// What is not there, and all imports, directives' conditions and translate-time attributes;
-    /// sorted.
+    /// Blanked parts: code that is not there, all imports, directives' conditions and translate-time attributes; sorted.
     pub(crate) blanks: Vec<Range<usize>>,
     /// The features that were looked up, with what was found.
     pub(crate) consulted: Consulted,
@@ -124,7 +123,7 @@ struct Translator<'a> {
     chain: Chain,
 }
 
-/// What came of the `@if` and `@elif`s just before.
+/// Outcome of the `@if` and `@elif`s just before.
 #[derive(Clone, Copy, PartialEq)]
 enum Chain {
     /// There was none.

@@ -34,11 +34,11 @@ pub(crate) struct Unit {
     pub(crate) called: Vec<ItemNumber>,
     /// The module's own functions, by the numbers of their names.
     pub(crate) by_number: FxHashMap<u32, Handle<Function>>,
-    /// What each function is, by its index: one of the module's own, or another's.
+    /// Each function's item, by its index: one of the module's own, or another's.
     pub(crate) functions: Vec<Item>,
-    /// What each variable is, by its index.
+    /// Each variable's item, by its index.
     pub(crate) globals: Vec<Item>,
-    /// What each named constant is.
+    /// Each named constant's item.
     pub(crate) constants: FxHashMap<Handle<naga::Constant>, Item>,
     /// Item that each named override came from.
     pub(crate) overrides: FxHashMap<Handle<naga::Override>, Item>,
@@ -54,9 +54,9 @@ pub(crate) struct Unit {
     pub(crate) overriding: BTreeSet<usize>,
     /// Types of the parameters and the result of each function in words, by its index.
     signatures: Vec<OnceLock<Signature>>,
-    /// What each function does, by its index.
+    /// Effects of each function, by its index.
     pub(crate) facts: Vec<Facts>,
-    /// What each entry point does.
+    /// Effects of each entry point.
     pub(crate) entry_facts: Vec<Facts>,
     /// Numbers of what its own variables are, as far as limits count it, by the numbers of their names.
     kinds: OnceLock<FxHashMap<u32, u32>>,
@@ -66,7 +66,7 @@ pub(crate) struct Unit {
     without: RwLock<FxHashMap<LeftOut, Arc<Unit>>>,
 }
 
-/// What a function does, as far as it matters for leaving things out.
+/// Effects of a function, as far as they matter for leaving things out.
 #[derive(Debug, Default)]
 pub(crate) struct Facts {
     /// The functions that it calls; whether the result is left unused.
@@ -258,7 +258,7 @@ impl Unit {
         });
         compact(&mut module, KeepUnused::Yes);
         let mut unit = Self::new(library, home, module, self.prepared.clone());
-        // What is named is looked at, and its faults are told, whether it has an effect or not.
+        // Named things are looked at, and their faults told, whether they have an effect or not.
         let facts = unit.facts.iter_mut().zip(&self.facts);
         let entry_facts = unit.entry_facts.iter_mut().zip(&self.entry_facts);
         for (own, whole) in facts.chain(entry_facts) {

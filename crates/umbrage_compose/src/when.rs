@@ -1,4 +1,4 @@
-//! Which keys something is said of, in files that others than manifests read.
+//! Sets of keys that something is said of, in files other than manifests.
 
 use std::{collections::BTreeMap, fmt, ops::Range};
 
@@ -88,7 +88,7 @@ mod tests {
             "light": (values: { "sun": (), "lamp": () }),
         })"#;
         let mut axes = Axes::default();
-        axes.merge("demo", &SourceText::new("axes.ron", text))
+        axes.merge("demo", &SourceText::new("axes.ron", text), &[])
             .unwrap();
         axes
     }

@@ -361,7 +361,7 @@ fn what_is_not_needed_is_not_there() {
             .wgsl()
             .expect("WGSL")
     };
-    // What the pass notes for methods is gone where none asks for it, derivatives and all.
+    // The pass's notes for methods are gone where none asks for them, derivatives and all.
     let unshadowed = text(&[("pass", "shadow_term")]);
     assert!(
         !unshadowed.contains("note_receiver") && !unshadowed.contains("dpdx"),
@@ -495,5 +495,41 @@ fn a_name_that_is_imported_from_two_places_is_told_apart() {
             assert_eq!(text.contains("0.25"), way == "near", "{way}: {text}");
             assert_eq!(text.contains("0.75"), way == "far", "{way}: {text}");
         }
+    }
+}
+
+/// An engine has its own order of bind groups, and a package's modules know nothing of it.
+#[test]
+fn bind_groups_have_the_engines_numbers() {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shader_lib");
+    let cache = tempfile::tempdir().expect("a folder");
+    let groups = |numbers: &[(u32, u32)]| {
+        let package = Package::load("umbrage", &dir).expect("the shader library is sound");
+        let package = package.with_groups(numbers.iter().copied());
+        let library = Library::new([package]).expect("its axes are sound");
+        let choices = [
+            ("pass", "illumination"),
+            ("method", "basic"),
+            ("light", "spot"),
+        ];
+        let key = key(&library, &choices);
+        let composer = Composer::new(library, Target::webgpu());
+        let composer = composer.with_disk_cache(cache.path()).expect("a folder");
+        let permutation = composer.compose(&key).expect("linked").permutation;
+        let text = permutation.wgsl().expect("text");
+        let bindings = permutation.reflection.bindings.iter();
+        let groups = bindings.map(|b| {
+            let written = format!("@group({}) @binding({})", b.group, b.binding);
+            assert!(text.contains(&written), "{written} of {} in {text}", b.name);
+            (b.name.clone(), b.group)
+        });
+        groups.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let own = groups(&[]);
+    assert_eq!((own["frame"], own["light"], own["material"]), (0, 1, 2));
+    let turned = groups(&[(0, 3), (1, 0), (3, 1)]);
+    for (name, group) in own {
+        let expected = [3, 0, 2, 1][group as usize];
+        assert_eq!(turned[&name], expected, "{name}");
     }
 }

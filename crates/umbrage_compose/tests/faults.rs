@@ -1,4 +1,4 @@
-//! What a developer reads when something is wrong: one snapshot a fault.
+//! Texts that a developer reads when something is wrong: one snapshot a fault.
 
 use umbrage_compose::{Composer, Error, Library, Package, Target};
 

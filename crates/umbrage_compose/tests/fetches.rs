@@ -124,7 +124,7 @@ fn what_is_counted_is_composed() {
         format!(
             "    if position_ws.x > 0.0 {{\n{COUNT}        if {SAMPLE} > 0.5 {{ return 0.0; }}\n    }}\n    return 1.0;"
         ),
-        // What a texture is asked of itself fetches nothing.
+        // Asking a texture about itself fetches nothing.
         "    return f32(textureDimensions(map).x);".to_owned(),
     ];
     for body in sound {

@@ -304,7 +304,7 @@ fn compare(library: &Library) -> Vec<String> {
     expected.into_iter().filter_map(Result::err).collect()
 }
 
-/// What is seen of a permutation.
+/// Observable parts of a permutation.
 #[derive(Debug, PartialEq)]
 struct Made {
     text: String,
@@ -312,7 +312,7 @@ struct Made {
     warnings: Vec<String>,
 }
 
-/// What `composer` makes of `key`, held against naga's verdict; or the fault's words.
+/// Permutation that `composer` makes of `key`, held against naga's verdict; or the fault's words.
 fn made(composer: &Composer, key: &Key) -> Result<Made, String> {
     let permutation = match composer.compose(key) {
         Ok(composed) => composed.permutation,
@@ -518,7 +518,7 @@ fn assertions_are_checked() {
 const NARROW: &str =
     r#""narrow": (default: "off", values: { "off": (), "on": (features: ["NARROW"]) }),"#;
 
-/// What a module takes of another's variable does not tell its group.
+/// A use of another module's variable does not tell its group.
 #[test]
 fn declarations_are_seen_through_imports() {
     let root = format!("{FRAGMENT} {{ return vec4f(package::through::i(x)); }}");
@@ -530,7 +530,7 @@ fn declarations_are_seen_through_imports() {
     in_company(NARROW, [&root, &root], [first, second], notes, (2, words));
 }
 
-/// What a module takes of another's override does not tell its default.
+/// A use of another module's override does not tell its default.
 #[test]
 fn defaults_are_seen_through_imports() {
     let root = format!("{COMPUTE} {{ _ = package::through::i(1.0); }}");

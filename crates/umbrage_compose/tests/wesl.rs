@@ -14,7 +14,7 @@ use wesl::{
     syntax::{Expression, TranslationUnit},
 };
 
-/// What `probe()` gives in our linking of `files`, of which `main.wesl` is the root.
+/// Result of `probe()` in our linking of `files`, of which `main.wesl` is the root.
 fn ours(files: &[(&str, &str)], features: &[&str]) -> String {
     let dir = tempfile::tempdir().expect("a folder");
     for (path, text) in files {
@@ -42,7 +42,7 @@ fn run(unit: &TranslationUnit) -> String {
     }
 }
 
-/// What `probe()` gives in the `wesl` crate's own linking.
+/// Result of `probe()` in the `wesl` crate's own linking.
 fn theirs(files: &[(&str, &str)], features: &[&str]) -> String {
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver(files));
     compiler

@@ -1,4 +1,4 @@
-//! What permutations may cost.
+//! Limits on permutations' costs.
 
 use std::{collections::BTreeMap, ops::Range, path::Path};
 
@@ -7,7 +7,7 @@ use umbrage_compose::{Axes, Error, Key, Permutation, RonFile, Stage, When};
 
 use crate::{CompilerOptions, StageCost};
 
-/// What stages may cost at the most on one GPU family: a file for a person to keep and a job to check.
+/// Limits on stages' costs on one GPU family: a file for a person to keep and a job to check.
 ///
 /// ```ron
 /// (
@@ -39,9 +39,9 @@ pub struct Excess {
     pub stage: Stage,
     /// The figure's name.
     pub figure: &'static str,
-    /// What it is.
+    /// The figure found.
     pub found: u64,
-    /// What it may be at the most.
+    /// The greatest figure allowed.
     pub allowed: u64,
     /// Why, in the budget's words; often empty.
     pub reason: String,
@@ -111,7 +111,7 @@ impl Budget {
         }
     }
 
-    /// What of a permutation's `costs` is over the limits, by stage and figure. `keys` share the permutation.
+    /// Figures of a permutation's `costs` over the limits, by stage and figure. `keys` share the permutation.
     pub fn over(&self, axes: &Axes, keys: &[Key], costs: &[StageCost]) -> Vec<Excess> {
         let fitting: Vec<_> = self
             .rules

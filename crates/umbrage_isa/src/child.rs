@@ -136,7 +136,7 @@ impl Child {
             .env("VK_ICD_FILENAMES", manifests)
             // Layers that watch or draw over programs; no shader is the better for them.
             .env("VK_LOADER_LAYERS_DISABLE", "~all~")
-            // What was compiled before is not to be found, and nothing is written to the user's folders.
+            // Earlier results are not to be found, and nothing is written to the user's folders.
             .env("MESA_SHADER_CACHE_DISABLE", "true")
             .stdin(Stdio::from(OwnedFd::from(theirs)))
             .stdout(Stdio::null())

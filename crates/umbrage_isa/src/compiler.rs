@@ -20,7 +20,7 @@ use crate::{
     words,
 };
 
-/// What is compiled for, and by whom.
+/// Target of the compiler, and the program that compiles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CompilerOptions {
     /// The GPU family, by Mesa's name.
@@ -107,7 +107,7 @@ impl Compiler {
         &self.options.family
     }
 
-    /// What each stage of `permutation` costs where it is drawn as `state` says, in the order of a
+    /// Cost of each stage of `permutation` where it is drawn as `state` says, in the order of a
     /// pipeline's stages. Of several vertex or fragment entry points the first is taken, as by the renderer.
     ///
     /// # Errors
@@ -169,7 +169,7 @@ impl Compiler {
     }
 }
 
-/// What each of `permutations` costs, in their order, by up to one process a core. `done` is called after each.
+/// Costs of each of `permutations`, in their order, by up to one process a core. `done` is called after each.
 ///
 /// # Errors
 /// Where no compiler starts; what goes wrong with one permutation is its own result.

@@ -1,26 +1,26 @@
-//! What a stage costs, and how it is read out of a driver's statistics.
+//! Cost of a stage, and how it is read out of a driver's statistics.
 
 use serde::Serialize;
 use umbrage_compose::Stage;
 
 use crate::wire::Executable;
 
-/// What one stage of a permutation costs.
+/// Cost of one stage of a permutation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct StageCost {
     /// The stage.
     pub stage: Stage,
     /// The name of its entry point.
     pub entry_point: String,
-    /// What the compiler made of it.
+    /// The compiler's figures of it.
     #[serde(flatten)]
     pub isa: Isa,
-    /// What it takes of the GPU while it runs.
+    /// Room that it takes of the GPU while it runs.
     #[serde(flatten)]
     pub room: Room,
 }
 
-/// What a GPU family's compiler makes of a shader stage: RADV's figures, unchanged. The crate page says what
+/// Figures of a GPU family's compiler for a shader stage: RADV's, unchanged. The crate page says what
 /// they are good for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Isa {
@@ -40,7 +40,7 @@ pub struct Isa {
     pub inverse_throughput: u64,
 }
 
-/// What a stage takes of the GPU while it runs, by RADV's figures.
+/// Room that a stage takes of the GPU while it runs, by RADV's figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Room {
     /// Vector registers that did not fit and live in memory.

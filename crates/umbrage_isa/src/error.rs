@@ -1,4 +1,4 @@
-//! What may go wrong.
+//! Errors.
 
 use std::{io, path::PathBuf, process::ExitStatus, time::Duration};
 
@@ -36,7 +36,7 @@ pub enum IsaError {
     Family {
         /// The family asked for.
         family: String,
-        /// What there is.
+        /// Families that there are.
         known: Vec<String>,
     },
     /// The driver opened something else.
@@ -106,7 +106,7 @@ pub enum IsaError {
         key: ProjectedKey,
         /// The stage's entry point.
         entry_point: String,
-        /// What is missing.
+        /// The missing statistic.
         statistic: &'static str,
     },
     /// The system has neither RADV nor the means to talk to it.

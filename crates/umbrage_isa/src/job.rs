@@ -1,4 +1,4 @@
-//! What is to be compiled for a permutation.
+//! Pipelines to be compiled for a permutation.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! What a GPU's compiler makes of a permutation, without a GPU.
+//! Figures of a GPU's compiler for a permutation, without a GPU.
 //!
 //! # The model
 //! Mesa's Vulkan driver for AMD's GPUs, RADV, compiles for a GPU that is not there: told a family by
@@ -50,7 +50,7 @@
 //! - The **vertex stage** holds what the driver adds to it: on RDNA, code that leaves out triangles that no one
 //!   sees, and the **LDS** that it does so with.
 //!
-//! What is outside the shader is in none of it: the fetches' bandwidth, overdraw, the depth test, the blending.
+//! Costs outside the shader are in none of it: the fetches' bandwidth, overdraw, the depth test, the blending.
 //! Figures of two versions of Mesa may differ by some percent; of two families, by all means.
 //!
 //! # Two processes

@@ -7,8 +7,8 @@ use wgpu_types::{
 };
 
 /// How a pass draws: triangles, one sample a pixel. Vertex attributes and bindings are not said here: they
-/// follow from the permutation. Stencil and depth bias change nothing in a shader, and are left out. What is
-/// written where no target is, the compiler leaves out, with all that it was computed from.
+/// follow from the permutation. Stencil and depth bias change nothing in a shader, and are left out. An output
+/// without a target the compiler leaves out, with all that it was computed from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PipelineState {
     /// The colour targets, by the locations that the fragment stage writes; none where one is skipped.
@@ -17,7 +17,7 @@ pub struct PipelineState {
     pub depth: Option<DepthTarget>,
     /// The side of triangles that is not drawn.
     pub cull: Option<Face>,
-    /// Which side of a triangle is its front.
+    /// Front side of a triangle.
     pub front: FrontFace,
 }
 
@@ -35,7 +35,7 @@ pub struct ColorTarget {
 pub struct DepthTarget {
     /// Its format.
     pub format: TextureFormat,
-    /// What of new and old depth lets a fragment through.
+    /// Comparison of new and old depth that lets a fragment through.
     pub compare: CompareFunction,
     /// Whether the new depth is kept.
     pub write: bool,

@@ -143,7 +143,7 @@ fn open_device(
     unsafe { instance.create_device(physical, &info, None) }.map_err(|error| error.to_string())
 }
 
-/// What was made for one pipeline; it goes with it.
+/// Objects made for one pipeline; they go with it.
 struct Made<'a> {
     device: &'a ash::Device,
     modules: Vec<vk::ShaderModule>,
@@ -212,7 +212,7 @@ impl<'a> Made<'a> {
             .layout(layout);
         let cache = vk::PipelineCache::null();
         // SAFETY: module and layout are alive and the device's own, and fit each other: both are of one
-        // reflection. What `info` points to outlives the call.
+        // reflection. All that `info` points to outlives the call.
         let made = unsafe { self.device.create_compute_pipelines(cache, &[info], None) };
         self.keep(made)
     }
@@ -287,7 +287,7 @@ impl<'a> Made<'a> {
             .push_next(&mut targets);
         let cache = vk::PipelineCache::null();
         // SAFETY: modules and layout are alive and the device's own, and fit each other: all are of one
-        // reflection. What `info` points to outlives the call.
+        // reflection. All that `info` points to outlives the call.
         let made = unsafe { self.device.create_graphics_pipelines(cache, &[info], None) };
         self.keep(made)
     }

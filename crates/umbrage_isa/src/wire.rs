@@ -1,4 +1,4 @@
-//! What the two processes say to each other: frames of postcard, each after its length.
+//! Messages between the two processes: frames of postcard, each after its length.
 
 use std::io::{self, Read, Write};
 
@@ -81,7 +81,7 @@ pub(crate) struct Depth {
     pub(crate) write: bool,
 }
 
-/// What became of a stage.
+/// Outcome of a stage.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Executable {
     pub(crate) stages: u32,

@@ -1,4 +1,4 @@
-//! What is true of a scene's shadows, and how far a shadow method is from it.
+//! The truth of a scene's shadows, and how far a shadow method is from it.
 //!
 //! # The model
 //! A shadow method answers one question approximately: does the light reach this point? This crate
@@ -91,10 +91,10 @@
 //! | `compared`, `left_out` | how many samples there are | samples |
 //! | `false_lit`, `false_shadow` | lit but should not be, and the reverse | share of the compared |
 //! | `beyond_range` | false light farther out than the method's shadow distance | share |
-//! | `detachment` | else, false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
+//! | `detachment` | else, peter-panning: false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
 //! | `edge` | else, false light or shadow where the filter reaches a true edge | share |
-//! | `turned_away` | else, false shadow on the far side of a thin thing, which gets no light anyway | share |
-//! | `leak`, `acne` | else, false light, and false shadow | share |
+//! | `turned_away` | else, false shadow on the back-facing side of a thin thing, which gets no light anyway | share |
+//! | `leak`, `acne` | else, false light (a light leak), and false shadow | share |
 //! | `rmse`, `p99` | the term's error: root of the mean square, and what 99 of 100 do not exceed | of the term, 0 to 1 |
 //! | `edge_p50`, `edge_p95`, `edge_max` | from each true shadow edge to the nearest rendered one, and back | pixels |
 //! | `alias_p95`, `alias_over_1` | d / d_i, how many pixels a texel covers across: a percentile, and the share above 1 | pixels a texel; share of the samples that face their light |
@@ -143,7 +143,12 @@
 //! as wide and high.
 
 pub mod cases;
+mod config;
+mod error;
 pub mod figures;
 pub mod report;
 pub mod study;
 pub mod truth;
+
+use config::Config;
+use error::StudyError;

@@ -103,7 +103,7 @@ fn basic_errs_near_the_edge_alone_and_half_as_much_with_half_the_texel() {
         let count = (lit + dark) as f64;
         println!("{resolution}: {lit} falsely lit, {dark} falsely dark, of {all}");
         if let Some(before) = before {
-            // The displacement is a texel's share, so the band's area halves. Which pixels it meets is
+            // The displacement is a texel's share, so the band's area halves. The pixels that it meets are
             // chance: for a count n, √n either way, and three of those on both sides are a margin that
             // one run in a thousand would miss if the pixels were drawn anew.
             let margin = 3.0 * (before.sqrt() * 0.5 + count.sqrt());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use umbrage_compose::{Composer, Library, Target};
 use umbrage_measure::{cases, study::Config};
-use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, Shadow, What};
 use umbrage_shadow::LightKind;
 
 #[test]
@@ -21,17 +21,14 @@ fn bounds_change_no_pixel_of_any_hard_case() {
         for name in ["basic", "pssm"] {
             for width in ["3", "5", "7", "15"] {
                 let variant = |filter: &str| Config {
-                    method: name.to_owned(),
-                    axes: [("pcf", width), ("filter", filter)]
-                        .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-                        .into(),
+                    shadow: Shadow::new(name).with("pcf", width).with("filter", filter),
                     ..Config::default()
                 };
                 let mut draw = |what, filter: &str| {
                     // A case that is about a filter's width, or about ways to find a map, has its own.
                     let variant = variant(filter);
-                    let shadow = variant.shadow();
-                    let choice = shadow.choice(&registry, &library).expect("they are there");
+                    let choice = variant.shadow.choice(&registry, &library);
+                    let choice = choice.expect("they are there");
                     let options = case.options(&variant, &choice).ok()?;
                     let options = RenderOptions { what, ..options };
                     let rendered = renderer.render(&case.scene, &options);

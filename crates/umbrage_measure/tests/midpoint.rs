@@ -10,7 +10,7 @@ use umbrage_measure::{
     figures::Figures,
     study::{Config, Lab, stress},
 };
-use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Gpu, Picture, RenderOptions, Renderer, Scene, Shadow, What};
 
 use common::renderer;
 
@@ -20,7 +20,7 @@ type Settings<'a> = &'a [(&'a str, f64)];
 const NEAREST: (&str, &str) = ("depth", "nearest");
 const VARIANTS: [&str; 3] = ["midpoint", "midpoint_sampled", "midpoint_two_passes"];
 
-/// Light that leans, so that no face of an upright box is on edge to it.
+/// Light that slants, so that no face of an upright box is on edge to it.
 const SUN: &str = "(kind: directional(direction: (0.55, -1, -0.4)))";
 const LAMP: &str = "(kind: spot(position: (-2.2, 4, 1.6), direction: (0.55, -1, -0.4), inner_degrees: 30, outer_degrees: 40, range: 12))";
 
@@ -48,9 +48,7 @@ fn errors(lab: &mut Lab, case: &Case, axes: Axes<'_>, settings: Settings<'_>) ->
     let limits = Limits::built_in().expect("a sound table");
     let variant = Config {
         name: "basic".to_owned(),
-        method: "basic".to_owned(),
-        axes: named(axes),
-        settings: set(settings),
+        shadow: basic(axes, settings),
         ..Config::default()
     };
     let cases = std::slice::from_ref(case);
@@ -58,14 +56,11 @@ fn errors(lab: &mut Lab, case: &Case, axes: Axes<'_>, settings: Settings<'_>) ->
     stressed.results[0].figures.clone()
 }
 
-fn named(axes: Axes<'_>) -> BTreeMap<String, String> {
-    let axes = axes.iter().copied();
-    axes.map(|(a, v)| (a.to_owned(), v.to_owned())).collect()
-}
-
-fn set(settings: Settings<'_>) -> BTreeMap<String, f64> {
-    let settings = settings.iter().copied();
-    settings.map(|(s, v)| (s.to_owned(), v)).collect()
+fn basic(axes: Axes<'_>, settings: Settings<'_>) -> Shadow {
+    let shadow = Shadow::new("basic");
+    let shadow = axes.iter().fold(shadow, |shadow, (a, v)| shadow.with(a, v));
+    let settings = settings.iter();
+    settings.fold(shadow, |shadow, (s, v)| shadow.with_setting(s, *v))
 }
 
 fn contact() -> Case {
@@ -93,9 +88,7 @@ fn terms(
         width: 256,
         height: 144,
         what: What::ShadowTerm,
-        method: Some("basic".to_owned()),
-        axes: named(axes),
-        settings: set(settings),
+        shadow: basic(axes, settings),
         ..RenderOptions::default()
     };
     match renderer.render(scene, &options).expect("renders").picture {
@@ -127,7 +120,7 @@ fn contacts_are_closer_than_with_the_nearest_depths() {
         for depth in VARIANTS {
             let found = errors(&mut lab, &case, &[("depth", depth), ("pcf", pcf)], &[]);
             println!(
-                "{pcf} {depth}: {:.5} falsely lit ({:.5}), {:.5} detached ({:.5})",
+                "{pcf} {depth}: {:.5} falsely lit ({:.5}), {:.5} peter-panning ({:.5})",
                 found.false_lit, nearest.false_lit, found.detachment, nearest.detachment
             );
             assert!(found.detachment < nearest.detachment, "{depth}, {pcf}");

@@ -4,7 +4,7 @@ mod common;
 
 use glam::{DVec2, DVec3};
 use umbrage_measure::truth::{Source, Tracer, Truth};
-use umbrage_render::{Path, Picture, RenderOptions, Renderer, Scene, What};
+use umbrage_render::{Path, Picture, RenderOptions, Renderer, Scene, Shadow, What};
 use umbrage_shadow::Field;
 
 use common::renderer;
@@ -132,12 +132,12 @@ fn what_is_drawn_is_near_to_the_truth() {
         {
             for path in [Path::Forward, Path::Mask, Path::MaskBySplit] {
                 let mut options = RenderOptions {
-                    method: Some(method.to_owned()),
+                    shadow: Shadow::new(method),
                     path,
                     ..RenderOptions::default()
                 };
                 if method == "pssm" {
-                    options.axes.insert("fit".to_owned(), fit.to_owned());
+                    options.shadow.axes.insert("fit".to_owned(), fit.to_owned());
                 }
                 let terms = term(&mut renderer, &scene, options);
                 let (share, all) = wrong(&truth, &terms);
@@ -160,7 +160,7 @@ fn the_place_along_the_axis_does_not_matter() {
     for method in ["basic", "pssm"] {
         let options = |what| RenderOptions {
             what,
-            axes: [("range".to_owned(), "depths".to_owned())].into(),
+            shadow: Shadow::default().with("range", "depths"),
             ..RenderOptions::default()
         };
         let with = |scene: &Scene, by: f64| {
@@ -260,7 +260,7 @@ fn lights_without_shadows_count_alike_in_pictures_and_in_truth() {
     for method in [None, Some("basic"), Some("pssm")] {
         let options = RenderOptions {
             what: What::ShadowTerm,
-            method: method.map(str::to_owned),
+            shadow: method.map(Shadow::new).unwrap_or_default(),
             ..RenderOptions::default()
         };
         let Picture::ShadowTerm(terms) = draw(&mut renderer, &mixed, options) else {

@@ -1,4 +1,4 @@
-//! What the rasteriser sees against what rays see.
+//! Triangles that the rasteriser draws against those that rays meet.
 
 mod common;
 
@@ -36,7 +36,7 @@ fn examples() -> BTreeMap<String, Scene> {
 
 type Seen = Option<(u32, u32)>;
 
-/// What rays see, many a pixel.
+/// Points that rays see, many a pixel.
 struct Rays(Vec<Seen>);
 
 impl Rays {
@@ -55,13 +55,13 @@ impl Rays {
         self.0[(y * SIZE.0 * FINER + x) as usize]
     }
 
-    /// What the ray through the pixel's middle sees.
+    /// Point that the ray through the pixel's middle sees.
     fn middle(&self, pixel: usize) -> Seen {
         let (x, y) = place(pixel);
         self.at(x * FINER + FINER / 2, y * FINER + FINER / 2)
     }
 
-    /// What the rays of the pixel and of its eight neighbours see.
+    /// Points that the rays of the pixel and of its eight neighbours see.
     fn around(&self, pixel: usize) -> impl Iterator<Item = Seen> {
         let (x, y) = place(pixel);
         let near = |at: u32, end: u32| at.saturating_sub(1) * FINER..(at + 2).min(end) * FINER;

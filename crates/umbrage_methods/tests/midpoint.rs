@@ -1,4 +1,4 @@
-//! What is planned for midpoint maps.
+//! Plans for midpoint maps.
 
 use std::collections::BTreeMap;
 

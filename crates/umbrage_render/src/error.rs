@@ -2,6 +2,7 @@
 
 use std::{io, path::PathBuf};
 
+use umbrage_compose::Cause;
 use umbrage_shadow::PlanError;
 use umbrage_wgpu::ShadowError;
 
@@ -56,11 +57,11 @@ pub enum RenderError {
     /// A choice of an axis that does not exist, or that is not to be chosen there.
     #[error("{place} chooses `{axis}`, {problem}")]
     Axis {
-        /// Who chooses.
+        /// Place of the choice.
         place: String,
         /// The axis.
         axis: String,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// A method cannot shadow a light.
@@ -80,7 +81,7 @@ pub enum RenderError {
     Scene {
         /// The camera, or which light or object.
         what: String,
-        /// What is wrong.
+        /// The fault.
         source: PlanError,
     },
     /// A light's shadow could not be had, or a shader reads what nobody gives it.
@@ -91,7 +92,7 @@ pub enum RenderError {
     Mesh {
         /// The object.
         object: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The picture cannot be written.
@@ -102,4 +103,11 @@ pub enum RenderError {
         /// Why.
         source: io::Error,
     },
+}
+
+impl RenderError {
+    /// Whether a shader uses more than the target allows a stage.
+    pub(crate) fn is_limit(&self) -> bool {
+        matches!(self, Self::Compose(error) if error.faults().iter().any(|f| f.cause == Cause::Limit))
+    }
 }

@@ -179,7 +179,7 @@ impl Gpu {
         let done = work();
         let mut found = None;
         for scope in scopes.into_iter().rev() {
-            // What was made without memory is refused when used: the want of memory is the cause.
+            // Resources made without memory are refused when used: the want of memory is the cause.
             found = match block_on(scope.pop()) {
                 Some(error @ wgpu::Error::OutOfMemory { .. }) => Some(error),
                 error => found.or(error),
@@ -302,7 +302,7 @@ fn find_adapter() -> Result<wgpu::Adapter, GpuError> {
         .map_err(|error| GpuError::NoAdapter(about_vulkan(&error.to_string())))
 }
 
-/// What wgpu's account of all backends says of the one that was asked for.
+/// Part of wgpu's account of all backends that is about the one that was asked for.
 fn about_vulkan(account: &str) -> String {
     let mut parts = account.split([';', ',']).map(str::trim);
     parts

@@ -5,13 +5,13 @@
 //! each light, the texture fetches that it takes, or the triangle that is seen. A shaded picture comes
 //! about so:
 //!
-//! 1. What the camera may see is found, and for each light what of it the light may reach.
+//! 1. The objects that the camera may see are found, and for each light those of them that it may reach.
 //! 2. For each light that has a shadow method, the method plans, and the plan is executed: casters
 //!    into shadow maps.
-//! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up. In the
-//!    [mask path](Path::Mask) each light's shadow term is found before, in a pass over the picture.
+//! 3. A base pass lays down depth and ambient light; then one illumination pass a light adds up, or
+//!    [one for all](Path::ForwardAll). In the [mask path](Path::Mask) each light's shadow term is found before, in a pass over the picture.
 //!
-//! Which shaders that takes is decided object by object: a permutation is composed when an object
+//! The shaders for that are chosen object by object: a permutation is composed when an object
 //! that needs it first lies in the region of a light, and never before. Layouts of bind groups,
 //! uniform blocks and vertex inputs come from what the linker says of the permutation; the renderer
 //! knows bindings by name alone. It knows no shadow method either: those come from a registry.
@@ -19,7 +19,7 @@
 //! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
 //! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
 //!
-//! What it took is in the [`Report`]. Pipelines, meshes, textures and shadow maps are kept from one
+//! Its cost is in the [`Report`]. Pipelines, meshes, textures and shadow maps are kept from one
 //! picture to the next, and let go with their scene; what depends on the camera is made anew.
 //!
 //! [what]: What

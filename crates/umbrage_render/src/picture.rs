@@ -1,8 +1,8 @@
-//! What comes out of a rendering.
+//! Results of a rendering.
 
 use std::{io::Cursor, path::Path};
 
-use umbrage_compose::{Permutation, ProjectedKey, Purpose, Source};
+use umbrage_compose::{Key, Permutation, ProjectedKey, Purpose, Source};
 use umbrage_shadow::ShadowPlan;
 
 use crate::{RenderError, scene::encode_srgb};
@@ -37,7 +37,7 @@ pub enum Picture {
     Fetches(Vec<Vec<f32>>),
     /// For each light how its shadow term was found.
     Decisions(Vec<Vec<Decision>>),
-    /// Which of several shadow maps is read.
+    /// The shadow map that is read, of several.
     Splits {
         /// Linear RGB.
         colors: Vec<[f32; 3]>,
@@ -47,12 +47,12 @@ pub enum Picture {
     },
 }
 
-/// How a pixel's shadow term was found: what the filter that was asked last noted of it, in the shader library's
+/// How a pixel's shadow term was found: what the filter that sampled last noted of it, in the shader library's
 /// `common/decision.wesl`.
 #[derive(serde::Serialize, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[serde(rename_all = "snake_case")]
 pub enum Decision {
-    /// No map was asked, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
+    /// No map was sampled, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
     /// all maps.
     #[default]
     Unasked,
@@ -88,7 +88,7 @@ impl Decision {
         names.any(|name| name == "note_decision")
     }
 
-    /// That with the shader's `number`.
+    /// The decision with the shader's `number`.
     pub(crate) fn of(number: f32) -> Self {
         let known = Self::ALL.get(number as usize);
         known.copied().unwrap_or_default()
@@ -113,19 +113,19 @@ impl Decision {
 pub struct Report {
     /// The distinct permutations that it needed, in the order in which they were first needed.
     pub permutations: Vec<PermutationUse>,
-    /// What a person should know, such as a damaged cache entry that was dropped.
+    /// Warnings for a person, such as of a damaged cache entry that was dropped.
     pub warnings: Vec<String>,
     /// Render passes.
     pub passes: u32,
     /// Draw calls.
     pub draws: u32,
-    /// Those of the passes that draw casters into shadow maps.
+    /// Render passes that draw casters into shadow maps.
     pub caster_passes: u32,
     /// Passes that compute something from shadow maps, full-screen ones and compute shaders.
     pub derived_passes: u32,
     /// How many passes of plans were not run, as what they would fill stands there from a picture before.
     pub kept_passes: u32,
-    /// Those of the draw calls that are in caster passes.
+    /// Draw calls that are in caster passes.
     pub caster_draws: u32,
     /// Texels in the textures of shadow methods.
     pub texels: u64,
@@ -139,7 +139,7 @@ pub struct Report {
     /// Texture fetches that the shadow methods promise to make at the most for a pixel, over all lights
     /// that reach something.
     pub fetches_per_pixel: u32,
-    /// What each light's method planned, by the lights' places in the scene; none where it has no
+    /// Plan of each light's method, by the lights' places in the scene; none where it has no
     /// method, or reaches nothing that is seen.
     pub plans: Vec<Option<ShadowPlan>>,
     /// The passes' times, in the order in which they ran: taken by the device's clock, where
@@ -147,7 +147,7 @@ pub struct Report {
     /// one](crate::Gpu::has_timestamps), else empty.
     pub times: Vec<PassTime>,
     /// Wall-clock time from submitting the passes to their end, uploads of what is new among them, over
-    /// all submissions (a shadow term's or a fetch count's are one a light); milliseconds. What there is
+    /// all submissions (a shadow term's or a fetch count's are one a light); milliseconds. The figure
     /// to go by where passes cannot be timed.
     pub gpu_milliseconds: f64,
     /// Wall-clock time from the scene to the pixels in memory; milliseconds.
@@ -157,7 +157,7 @@ pub struct Report {
 /// How long a pass took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
-    /// What it drew: `casters`, or the value of the axis `pass` that it has, such as `illumination`; of the passes
+    /// Kind of pass: `casters`, or the value of the axis `pass` that it has, such as `illumination`; of the passes
     /// that fill a mask by regions, with the region's number: `mask 0`.
     pub pass: String,
     /// The light for which it drew, where it did so for one.
@@ -174,6 +174,8 @@ pub struct PassTime {
 pub struct PermutationUse {
     /// Its projected key.
     pub key: ProjectedKey,
+    /// The same of the further lights that it is for.
+    pub others: Vec<ProjectedKey>,
     /// Use of its pass's results.
     pub purpose: Purpose,
     /// Whether it was linked for this picture, or came from a cache.
@@ -182,6 +184,14 @@ pub struct PermutationUse {
     pub object: String,
     /// The light that first needed it, where one did.
     pub light: Option<String>,
+}
+
+impl PermutationUse {
+    /// Its keys: of a shader of several lights, one for each.
+    pub fn keys(&self) -> Vec<Key> {
+        let keys = std::iter::once(&self.key).chain(&self.others);
+        keys.cloned().map(Key::from).collect()
+    }
 }
 
 impl Report {
@@ -219,7 +229,7 @@ impl Picture {
     /// or tone mapping and encoded as sRGB; a shadow term as grey, the product over the lights, not
     /// encoded: code 255 is lit; triangles each in a colour of its own, black where there is none;
     /// fetches as grey, the sum over the lights, code 255 for the most in the picture; decisions in false colours, the
-    /// mean over the lights: black where no map was asked, red where it was filtered, yellow where the term was light
+    /// mean over the lights: black where no map was sampled, red where it was filtered, yellow where the term was light
     /// at once and blue where it was shadow, the darker ones by planes; splits as a shaded picture that each has a hue
     /// of its own in, by the first light that has some.
     pub fn to_image(&self, width: u32, height: u32) -> image::DynamicImage {
@@ -294,7 +304,7 @@ impl Picture {
     }
 }
 
-/// What splits are told apart by: for each of the most of them another, neighbours far from each other.
+/// Colours that tell splits apart: for each of the most of them another, neighbours far from each other.
 const HUES: [[f32; 3]; 8] = [
     [1.0, 0.3, 0.3],
     [0.3, 1.0, 0.3],

@@ -12,7 +12,7 @@ use glam::DVec3;
 use umbrage_render::{Medium, Rendered, Scene, Shadow};
 use umbrage_shadow::{Light, LightKind};
 
-/// What a half and the sums of a shader's f32 leave of a number, relative.
+/// Relative error of a half and of the sums of a shader's f32.
 const ROUNDING: f64 = 1.0 / 1024.0;
 
 /// Henyey and Greenstein's phase function.
@@ -73,7 +73,7 @@ fn a_sun_without_shadows_is_its_integral() {
     }
 }
 
-/// What a lamp's light at `point` is dimmed to, in a medium of `extinction`, and where it comes from.
+/// Dimming of a lamp's light at `point`, in a medium of `extinction`, and where the light comes from.
 fn lamp_light(light: &Light, extinction: f64, point: DVec3) -> (f64, DVec3) {
     let (position, range, cone) = match light.kind {
         LightKind::Point { position, range } => (position, range, None),

@@ -1,4 +1,4 @@
-//! What a scene's air costs, and what may be asked of it.
+//! Costs of a scene's air, and limits on what may be asked of it.
 
 mod common;
 
@@ -100,7 +100,7 @@ fn fetches_are_four_a_step() {
             ..options(steps)
         };
         if method != "none" {
-            options.axes.insert("pcf".to_owned(), "9".to_owned());
+            options.shadow.axes.insert("pcf".to_owned(), "9".to_owned());
         }
         let rendered = renderer.render(&scene, &options).expect("renders");
         let Picture::Fetches(counts) = &rendered.picture else {

@@ -159,7 +159,7 @@ fn colour_targets_that_do_not_fit_are_named() {
     }
 }
 
-/// What a plan filled in one frame, a pass may draw into in the next: nothing of the texture's first
+/// A pass may draw into a texture that a plan filled in the frame before: nothing of the texture's first
 /// use stays in its way.
 #[test]
 fn a_texture_may_change_from_filled_to_drawn() {

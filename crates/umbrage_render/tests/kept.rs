@@ -11,15 +11,12 @@ use umbrage_shadow::LightKind;
 
 fn options(method: &str, axes: &[(&str, &str)]) -> RenderOptions {
     let axes = axes.iter();
+    let shadow = Shadow::new(method).with_setting("resolution", 128.0);
     RenderOptions {
         width: 96,
         height: 64,
         what: What::ShadowTerm,
-        method: Some(method.to_owned()),
-        axes: axes
-            .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
-            .collect(),
-        settings: [("resolution".to_owned(), 128.0)].into(),
+        shadow: axes.fold(shadow, |shadow, (a, v)| shadow.with(a, v)),
         ..RenderOptions::default()
     }
 }
@@ -40,7 +37,7 @@ fn render(renderer: &mut Renderer, scene: &Scene, options: &RenderOptions) -> Re
     assert!(
         terms(&kept.picture) == terms(&alone.picture),
         "{}: what was kept is not what would be drawn",
-        options.method.as_deref().unwrap_or("")
+        options.shadow.method
     );
     kept.report
 }
@@ -96,7 +93,7 @@ fn a_still_scene_draws_no_map() {
         };
         let shaded = renderer.render(&scene, &shaded).expect("renders");
         assert_eq!(runs(&shaded.report), [0, first], "{name}, {method}");
-        // Whoever measures has all of it drawn.
+        // A measurement has all of it drawn.
         let fresh = RenderOptions {
             fresh: true,
             ..options
@@ -177,10 +174,7 @@ fn other_lights_keep_their_maps() {
         });
     }
     let mut renderer = renderer(methods());
-    let all = RenderOptions {
-        method: None,
-        ..options("basic", &[])
-    };
+    let all = options("", &[]);
     let [first, _] = runs(&render(&mut renderer, &scene, &all));
     if let Some(shadow) = &mut scene.lights[1].shadow {
         shadow.axes.insert("filter".to_owned(), "hpsm".to_owned());
@@ -196,7 +190,10 @@ fn what_is_made_of_a_map_may_change_by_itself() {
     let (mut renderer, scene) = (renderer(methods()), scene("avenue"));
     let filtered = |exponent: f64| {
         let mut options = options("pssm", &[("filter", "esm")]);
-        options.settings.insert("exponent".to_owned(), exponent);
+        options
+            .shadow
+            .settings
+            .insert("exponent".to_owned(), exponent);
         options
     };
     let [first, _] = runs(&render(&mut renderer, &scene, &filtered(40.0)));

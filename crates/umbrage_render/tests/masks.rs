@@ -118,7 +118,10 @@ fn masks_hold_the_terms_of_the_forward_path() {
     assert_alike("all lights", both(&mut renderer, &all_lights(), &options));
     for (axis, value) in [("pcf", "1"), ("pcf", "9"), ("receiver_bias", "constant")] {
         let mut options = options.clone();
-        options.axes.insert(axis.to_owned(), value.to_owned());
+        options
+            .shadow
+            .axes
+            .insert(axis.to_owned(), value.to_owned());
         let what = format!("{axis} {value}");
         assert_alike(&what, both(&mut renderer, &all_lights(), &options));
     }
@@ -163,7 +166,7 @@ fn masked_pictures_are_the_forward_paths() {
         assert_ne!(pictures[0].picture, Picture::Shaded(Vec::new()));
         let [forward, mask] = pictures.map(colors);
         let none = RenderOptions {
-            method: Some("none".to_owned()),
+            shadow: Shadow::new("none"),
             ..shaded
         };
         let unshadowed = colors(renderer.render(&scene, &none).expect("renders"));
@@ -246,7 +249,7 @@ fn only_lights_that_need_a_mask_take_one() {
     }
     // Where no light has a method, nothing is laid down.
     let none = RenderOptions {
-        method: Some("none".to_owned()),
+        shadow: Shadow::new("none"),
         ..shaded
     };
     let unshadowed = report(&scene, &none);

@@ -1,10 +1,12 @@
-//! What a renderer tells for measuring: fetches, triangles, times, passes and bytes.
+//! Figures that a renderer tells for measuring: fetches, triangles, times, passes and bytes.
 
 mod common;
 
 use common::{example, methods, pixel, renderer, scene, small};
 use glam::DVec3;
-use umbrage_render::{Gpu, Picture, RenderOptions, Rendered, Renderer, Report, Scene, What};
+use umbrage_render::{
+    Gpu, Picture, RenderOptions, Rendered, Renderer, Report, Scene, Shadow, What,
+};
 use umbrage_shadow::Pass;
 
 const SPOT: &str = "spot(position: (0, 3, 0), target: (0, 0, 0), outer_degrees: 40, range: 20)";
@@ -27,7 +29,10 @@ fn lit_by(light: &str) -> Scene {
 
 fn with_width(what: What, width: u32) -> RenderOptions {
     let mut options = small(what);
-    options.axes.insert("pcf".to_owned(), width.to_string());
+    options
+        .shadow
+        .axes
+        .insert("pcf".to_owned(), width.to_string());
     options
 }
 
@@ -66,7 +71,7 @@ fn basic_fetches_what_its_width_says_and_where_its_map_is() {
     }
 }
 
-/// What no light reaches takes no fetch, nor does a light without a method; and what a material fetches
+/// A surface that no light reaches takes no fetch, nor does a light without a method; and what a material fetches
 /// for its holes is not counted.
 #[test]
 fn only_a_method_fetches() {
@@ -80,7 +85,7 @@ fn only_a_method_fetches() {
     let most = fetches(&rendered).iter().copied().fold(0.0, f32::max);
     let plan = rendered.report.plans[0].as_ref().expect("a plan");
     assert_eq!(most, plan.fetches_per_pixel as f32);
-    options.method = Some("none".to_owned());
+    options.shadow = Shadow::new("none");
     let rendered = render(&mut renderer, &options);
     assert!(fetches(&rendered).iter().all(|count| *count == 0.0));
 
@@ -137,7 +142,10 @@ fn bunny(resolution: u32, width: u32) -> (Scene, RenderOptions) {
     let mut options = with_width(What::ShadowTerm, width);
     (options.width, options.height) = (480, 360);
     let resolution = f64::from(resolution);
-    options.settings.insert("resolution".to_owned(), resolution);
+    options
+        .shadow
+        .settings
+        .insert("resolution".to_owned(), resolution);
     (example("bunny_sun.ron"), options)
 }
 

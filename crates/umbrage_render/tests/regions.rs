@@ -26,15 +26,12 @@ const STEP: f32 = 1.0 / 256.0;
 const FORWARD: f64 = 1e-4;
 
 fn options(path: Path, axes: &[(&str, &str)]) -> RenderOptions {
-    let axes = axes
-        .iter()
-        .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()));
+    let shadow = Shadow::new("pssm");
     RenderOptions {
         width: 480,
         height: 320,
         what: What::ShadowTerm,
-        method: Some("pssm".to_owned()),
-        axes: axes.collect(),
+        shadow: axes.iter().fold(shadow, |shadow, (a, v)| shadow.with(a, v)),
         path,
         fresh: true,
         ..RenderOptions::default()
@@ -184,7 +181,7 @@ fn each_pixel_is_shaded_by_its_own_region() {
     let expected = [0.25, 0.5, 0.25, 0.75, 1.0];
     let scene = floor();
     let options = RenderOptions {
-        method: Some("probe".to_owned()),
+        shadow: Shadow::new("probe"),
         path: Path::MaskBySplit,
         timed: true,
         ..small(What::ShadowTerm)
@@ -228,8 +225,7 @@ fn each_pixel_is_shaded_by_its_own_region() {
 fn splits_are_seen_where_they_are_read() {
     let scene = floor();
     let options = RenderOptions {
-        method: Some("pssm".to_owned()),
-        settings: [("shadow_distance".to_owned(), 40.0)].into(),
+        shadow: Shadow::new("pssm").with_setting("shadow_distance", 40.0),
         ..small(What::Splits)
     };
     let rendered = renderer(methods())
@@ -274,7 +270,7 @@ fn splits_are_seen_where_they_are_read() {
 fn what_is_in_no_region_costs_no_pass() {
     let mut scene = floor();
     let options = RenderOptions {
-        method: Some("probe".to_owned()),
+        shadow: Shadow::new("probe"),
         path: Path::MaskBySplit,
         ..small(What::ShadowTerm)
     };

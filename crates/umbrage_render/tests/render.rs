@@ -1,4 +1,4 @@
-//! What a renderer does with scenes, options and methods, good and bad.
+//! The renderer with scenes, options and methods, good and bad.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use common::{color, example, methods, renderer, scene, small};
 use glam::{DVec3, Vec3, Vec4};
 use umbrage_compose::Source;
-use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 use umbrage_shadow::{
     CasterPass, Constants, DepthOrder, DepthTarget, Frame, Light, Part, Pass, PlanError, Registry,
     ShadowMethod, ShadowPlan, Support, TextureDesc, Viewport,
@@ -215,7 +215,7 @@ fn a_scene_far_from_the_origin_looks_as_it_does_there() {
 fn a_cookie_is_projected_upright() {
     let scene = example("suzanne_spot.ron");
     let options = RenderOptions {
-        method: Some("none".to_owned()),
+        shadow: Shadow::new("none"),
         ..RenderOptions::default()
     };
     let rendered = renderer(methods())
@@ -245,10 +245,9 @@ fn every_axis_can_be_forced() {
         ("receiver_bias", "constant"),
     ];
     let mut options = small(What::Shaded);
-    options.axes = axes
-        .iter()
-        .map(|(a, v)| ((*a).to_owned(), (*v).to_owned()))
-        .collect();
+    for (axis, value) in axes {
+        options.shadow = options.shadow.with(axis, value);
+    }
     let rendered = renderer.render(&scene, &options).expect("renders");
     let keys: Vec<_> = rendered
         .report
@@ -280,13 +279,13 @@ fn options_that_cannot_be_met_are_refused() {
     let choose = |axis: &str, value: &str| {
         let (axis, value) = (axis.to_owned(), value.to_owned());
         move |options: &mut RenderOptions| {
-            options.axes.insert(axis.clone(), value.clone());
+            options.shadow.axes.insert(axis.clone(), value.clone());
         }
     };
     let good = two_balls();
     assert!(refuse(&good, &|o| o.width = 0).contains("0 by 120 pixels"));
     assert!(refuse(&good, &|o| o.height = 1 << 20).contains("160 by 1048576 pixels"));
-    let message = refuse(&good, &|o| o.method = Some("basik".to_owned()));
+    let message = refuse(&good, &|o| o.shadow = Shadow::new("basik"));
     assert!(
         message.contains("light `sun`") && message.contains("did you mean `basic`"),
         "{message}"
@@ -349,7 +348,7 @@ fn options_that_cannot_be_met_are_refused() {
     let mut scene = two_balls();
     scene.objects[1].bounds.min.x = f64::INFINITY;
     assert!(refuse(&scene, &|_| ()).contains("object `shiny`: its box"));
-    // What went wrong leaves the renderer as good as new.
+    // A fault leaves the renderer as good as new.
     assert!(renderer.render(&good, &small(What::Shaded)).is_ok());
 }
 
@@ -422,7 +421,7 @@ fn faulty_methods_are_named() {
         let mut scene = scene.clone();
         scene.lights = vec![scene.lights[what].clone()];
         let mut options = small(What::Shaded);
-        options.method = Some("basic".to_owned());
+        options.shadow = Shadow::new("basic");
         renderer(registry)
             .render(&scene, &options)
             .expect_err("refused")

@@ -56,8 +56,7 @@ fn options(what: What, [width, height]: [u32; 2], range: &str) -> RenderOptions 
         width,
         height,
         what,
-        method: Some("pssm".to_owned()),
-        axes: [("range".to_owned(), range.to_owned())].into(),
+        shadow: Shadow::new("pssm").with("range", range),
         ..RenderOptions::default()
     }
 }

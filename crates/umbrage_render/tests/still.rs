@@ -157,7 +157,7 @@ fn a_moving_camera_leaves_stable_shadows_alone() {
                 "{side}, {origin}: of {seen} points"
             );
         } else {
-            // What follows the camera is found to: the test can fail.
+            // Motion is found in what follows the camera: the test can fail.
             assert!(moved > 1000 && flipped > 20, "{moved}, {flipped}");
         }
     }

@@ -139,7 +139,7 @@ impl Canvas {
         queue.submit([encoder.finish()]);
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Who waits below hears of it.
+            // The wait below hears of it.
             let _ = sender.send(result);
         });
         let waited = device.poll(wgpu::PollType::wait_indefinitely());

@@ -20,25 +20,26 @@ pub enum Resource {
 }
 
 impl Resource {
-    /// A uniform buffer with the values that the block of `binding` reads of `constants`.
+    /// A buffer with the values that the block of `binding` reads of `constants`.
     ///
     /// # Errors
-    /// A binding of another kind; a member without a value, or with one of another type.
-    pub fn uniform(
+    /// A binding that is no [block](BindingKind::block); a member without a value, or with one of another type.
+    pub fn block(
         gpu: Gpu<'_>,
         key: &Key,
         binding: &Binding,
         constants: &Constants,
     ) -> Result<Self, Error> {
-        let BindingKind::Uniform(layout) = &binding.kind else {
-            return Err(Error::binding(
-                key,
-                binding,
-                "a uniform buffer was expected",
-            ));
+        let Some(layout) = binding.kind.block() else {
+            let problem = "a block of constants was expected";
+            return Err(Error::binding(key, binding, problem));
         };
         let bytes = pack(layout, constants).map_err(|e| Error::binding(key, binding, e))?;
-        Self::buffer(gpu, binding, wgpu::BufferUsages::UNIFORM, &bytes)
+        let usage = match &binding.kind {
+            BindingKind::Uniform(_) => wgpu::BufferUsages::UNIFORM,
+            _ => wgpu::BufferUsages::STORAGE,
+        };
+        Self::buffer(gpu, binding, usage, &bytes)
     }
 
     /// A storage buffer that holds `value` as `binding` lays it out.
@@ -74,27 +75,32 @@ impl Resource {
     }
 }
 
-impl ShadowResources {
-    /// All bind groups of a shader that reads this shadow, and uniform blocks of these names.
-    ///
-    /// # Errors
-    /// Another binding; a member without a value, or with one of another type.
-    pub fn groups(
-        &self,
-        gpu: Gpu<'_>,
-        program: &Program,
-        blocks: &[(&str, &Constants)],
-    ) -> Result<Groups, Error> {
-        let key = &program.permutation.key;
-        program.groups(gpu.0, |binding| {
-            match blocks.iter().find(|(name, _)| *name == binding.name) {
-                Some((_, constants)) => Resource::uniform(gpu, key, binding, constants).map(Some),
-                None => self.resource(gpu, key, binding),
-            }
-        })
-    }
+/// All bind groups of a shader that reads lights and their shadows, one for each of its permutation's keys, and uniform
+/// blocks of these names.
+///
+/// # Errors
+/// Another binding; a member without a value, or with one of another type.
+pub fn groups(
+    gpu: Gpu<'_>,
+    program: &Program,
+    lights: &[&ShadowResources],
+    blocks: &[(&str, &Constants)],
+) -> Result<Groups, Error> {
+    let key = &program.permutation.key;
+    program.groups(gpu.0, |binding| {
+        let mut blocks = blocks.iter();
+        match blocks.find(|(name, _)| *name == binding.name) {
+            Some((_, constants)) => Resource::block(gpu, key, binding, constants).map(Some),
+            None => match lights.get(binding.instance) {
+                Some(light) => light.resource(gpu, key, binding),
+                None => Ok(None),
+            },
+        }
+    })
+}
 
-    /// The shadow's resource for `binding`; none where it has nothing of that name.
+impl ShadowResources {
+    /// The light's resource for `binding`; none where it has nothing of that name.
     ///
     /// # Errors
     /// A value of another type than the shader's.
@@ -105,13 +111,21 @@ impl ShadowResources {
         binding: &Binding,
     ) -> Result<Option<Resource>, Error> {
         let name = binding.name.as_str();
+        if let Some(buffer) = self.written.get(name) {
+            return Ok(Some(Resource::Buffer(buffer.clone())));
+        }
+        if let Some(value) = self.buffers.get(name) {
+            return Resource::storage(gpu, key, binding, value).map(Some);
+        }
         Ok(match &binding.kind {
-            BindingKind::Uniform(_) => Some(Resource::uniform(gpu, key, binding, &self.constants)?),
-            BindingKind::Storage { .. } => match (self.written.get(name), self.buffers.get(name)) {
-                (Some(buffer), _) => Some(Resource::Buffer(buffer.clone())),
-                (None, Some(value)) => Some(Resource::storage(gpu, key, binding, value)?),
-                (None, None) => None,
-            },
+            kind if kind.block().is_some() => {
+                let constants = match name {
+                    "light" => &self.light,
+                    _ => &self.constants,
+                };
+                Some(Resource::block(gpu, key, binding, constants)?)
+            }
+            BindingKind::Storage { .. } => None,
             BindingKind::Sampler { .. } => {
                 let found = self.samplers.get(name);
                 found.map(|(_, sampler)| Resource::Sampler(sampler.clone()))

@@ -13,7 +13,7 @@ use umbrage_shadow::{
 
 use crate::{
     CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, check,
+    Program, Question, ShadowResources, Times, Unfiltered, bind, check,
     record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
     targets::{Targets, attachment, depth_attachment},
@@ -80,13 +80,16 @@ pub enum Run {
 /// Vertex buffers, as a pipeline has them.
 type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
 
+/// The keys of a permutation.
+type Keys = Vec<ProjectedKey>;
+
 /// A device, and what was made for it.
 pub(crate) struct Shared {
     pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     composer: Arc<Composer>,
-    pipelines: HashMap<(ProjectedKey, DrawState, Vertices), Arc<Pipeline>>,
-    computations: HashMap<(ProjectedKey, BTreeSet<String>), Arc<Computation>>,
+    pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
+    computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
 }
 
 impl Shared {
@@ -112,7 +115,11 @@ impl Shared {
     ) -> Result<Arc<Pipeline>, Error> {
         let owned = vertices.iter();
         let owned = owned.map(|v| (v.array_stride, v.step_mode, v.attributes.to_vec()));
-        let id = (permutation.key.clone(), state, owned.collect());
+        let id = (
+            permutation.keys().cloned().collect(),
+            state,
+            owned.collect(),
+        );
         if let Some(known) = self.pipelines.get(&id) {
             return Ok(Arc::clone(known));
         }
@@ -125,9 +132,9 @@ impl Shared {
     fn computation(
         &mut self,
         permutation: &Arc<Permutation>,
-        unfiltered: BTreeSet<String>,
+        unfiltered: Unfiltered,
     ) -> Result<Arc<Computation>, Error> {
-        let id = (permutation.key.clone(), unfiltered);
+        let id = (permutation.keys().cloned().collect(), unfiltered);
         if let Some(known) = self.computations.get(&id) {
             return Ok(Arc::clone(known));
         }
@@ -252,7 +259,7 @@ impl Executor {
     pub fn computation(
         &mut self,
         permutation: &Arc<Permutation>,
-        unfiltered: BTreeSet<String>,
+        unfiltered: Unfiltered,
     ) -> Result<Arc<Computation>, Error> {
         self.shared.computation(permutation, unfiltered)
     }
@@ -315,7 +322,8 @@ impl<'a> Execution<'a> {
             memory.contents.insert(name, bytes);
         }
         let kept = (&memory.textures, &memory.buffers);
-        let resources = resources::resources(device, plan, kept);
+        let mut resources = resources::resources(device, plan, kept);
+        resources.light = job.constants.clone();
         Ok(Self {
             shared,
             job,
@@ -494,7 +502,7 @@ impl<'a> Execution<'a> {
             colors: colors.iter().map(|color| color.state).collect(),
             depth: depth.as_ref().map(|(format, ..)| *format),
             write_depth: depth.is_some(),
-            unfiltered: unfiltered(Some(&given)),
+            unfiltered: unfiltered(&[&given]),
             ..DrawState::NOTHING
         };
         let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
@@ -528,7 +536,7 @@ impl<'a> Execution<'a> {
             }
         }
         let given = self.given_to(&pass.reads, &composed.permutation)?;
-        let unfiltered = unfiltered(Some(&given));
+        let unfiltered = unfiltered(&[&given]);
         let computation = self.shared.computation(&composed.permutation, unfiltered)?;
         let groups = self.groups(&computation.program, &given)?;
         let mut recorded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -554,7 +562,7 @@ impl<'a> Execution<'a> {
 
     /// Bind groups of a shader that draws no caster.
     fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        let groups = given.groups(self.shared.gpu(), program, &[("light", self.job.constants)]);
+        let groups = bind::groups(self.shared.gpu(), program, &[given], &[]);
         groups.map_err(|error| error.in_pass(self.job))
     }
 }

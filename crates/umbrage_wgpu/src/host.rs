@@ -133,7 +133,7 @@ impl<'e> Draws<'_, 'e> {
                 continue;
             }
             let bound = program.bind(gpu.0, group, |binding| match binding.kind {
-                BindingKind::Uniform(_) => Resource::uniform(gpu, key, binding, &self.constants),
+                BindingKind::Uniform(_) => Resource::block(gpu, key, binding, &self.constants),
                 _ => {
                     let problem = "the shader reads it beside `frame`, but a pass of casters gives uniform blocks alone";
                     Err(Error::binding(key, binding, problem))

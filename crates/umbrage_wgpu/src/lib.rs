@@ -37,8 +37,10 @@
 //!   with the answers of the frame before, where there are any, which gives a shadow. Nothing waits, and shadows are planned by
 //!   what was seen a frame ago. Passes that both plans have are run once.
 //!
-//! # An engine
-//! `examples/own_renderer` is one, with two lights, in 150 lines.
+//! # An engine's own shaders
+//! An engine composes a permutation for a surface and a light's [choices](CheckedShadow::choices), or one for a surface and
+//! several lights ([`Composer::compose_all`](umbrage_compose::Composer::compose_all)), and binds the lights' resources by
+//! name with [`groups`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
 //!
 //! # Encoders that are not submitted
 //! A recorded pass counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
@@ -58,13 +60,13 @@ mod shadow;
 mod targets;
 mod touches;
 
-pub use bind::{Gpu, Groups, Resource};
+pub use bind::{Gpu, Groups, Resource, groups};
 pub use error::{Error, TooLarge};
 pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
-    ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED,
+    ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED, Unfiltered,
     reads_facing, vertices_read,
 };
 pub use question::Question;

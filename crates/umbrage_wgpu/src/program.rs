@@ -6,6 +6,9 @@ use umbrage_compose::{Binding, BindingKind, Permutation, Stage, TextureDimension
 
 use crate::Error;
 
+/// Textures and samplers that are not to be filtered: their names, and the [instances](Binding::instance) that they are of.
+pub type Unfiltered = BTreeSet<(usize, String)>;
+
 /// How a pass draws, apart from its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DrawState {
@@ -21,8 +24,8 @@ pub struct DrawState {
     pub cull: Option<wgpu::Face>,
     /// Which faces are fronts.
     pub front: wgpu::FrontFace,
-    /// Names of textures and samplers that are not to be filtered.
-    pub unfiltered: BTreeSet<String>,
+    /// Textures and samplers that are not to be filtered.
+    pub unfiltered: Unfiltered,
 }
 
 impl DrawState {
@@ -75,7 +78,7 @@ impl Program {
     fn new(
         device: &wgpu::Device,
         permutation: Arc<Permutation>,
-        unfiltered: &BTreeSet<String>,
+        unfiltered: &Unfiltered,
     ) -> Result<Self, Error> {
         let label = permutation.key.to_string();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -121,7 +124,7 @@ impl Computation {
     pub fn new(
         device: &wgpu::Device,
         permutation: Arc<Permutation>,
-        unfiltered: &BTreeSet<String>,
+        unfiltered: &Unfiltered,
     ) -> Result<Self, Error> {
         let program = Program::new(device, permutation, unfiltered)?;
         let entry = program.permutation.reflection.entry_point(Stage::Compute);
@@ -269,7 +272,7 @@ pub fn reads_facing(permutation: &Permutation) -> bool {
 fn group_layouts(
     device: &wgpu::Device,
     permutation: &Permutation,
-    unfiltered: &BTreeSet<String>,
+    unfiltered: &Unfiltered,
 ) -> Result<Vec<Option<wgpu::BindGroupLayout>>, Error> {
     let reflection = &permutation.reflection;
     let limit = device.limits().max_bind_groups;
@@ -285,7 +288,7 @@ fn group_layouts(
     for (group, bindings) in reflection.groups().into_iter().enumerate() {
         let mut entries = Vec::new();
         for binding in bindings {
-            let unfiltered = unfiltered.contains(&binding.name);
+            let unfiltered = unfiltered.contains(&(binding.instance, binding.name.clone()));
             let ty = binding_type(binding, unfiltered).ok_or_else(|| {
                 let problem = "no pass has such a resource to give";
                 Error::binding(&permutation.key, binding, problem)

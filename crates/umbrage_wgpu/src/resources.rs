@@ -7,13 +7,15 @@ use umbrage_shadow::{
     TextureDesc, TextureShape, Value,
 };
 
-use crate::{Error, Job, check::bad_plan, device, program::STORED};
+use crate::{Error, Job, Unfiltered, check::bad_plan, device, program::STORED};
 
 /// Resources of `calc_shadow`, or of a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]
 pub struct ShadowResources {
     /// Members of uniform blocks.
     pub constants: Constants,
+    /// Members of the uniform block `light`.
+    pub light: Constants,
     /// Textures with their formats.
     pub textures: BTreeMap<String, (wgpu::TextureFormat, wgpu::TextureView)>,
     /// Samplers with their descriptions.
@@ -269,23 +271,31 @@ fn contents<'a>(
     Err(bad_plan(job, &problem))
 }
 
-/// The names in a light's group that must not be filtered: textures of formats that not every device can
-/// filter, where the plan does not ask for one that can, and samplers that do not ask to.
-pub fn unfiltered(shadow: Option<&ShadowResources>) -> BTreeSet<String> {
-    use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
-    let Some(shadow) = shadow else {
-        return BTreeSet::new();
-    };
-    let textures = shadow
-        .textures
-        .iter()
-        .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
-        .filter(|_| !shadow.filters_all_floats)
-        .map(|(name, _)| name);
-    let samplers = shadow
-        .samplers
-        .iter()
-        .filter(|(_, (desc, _))| desc.filter == wgpu::FilterMode::Nearest)
-        .map(|(name, _)| name);
-    textures.chain(samplers).cloned().collect()
+/// What of `lights`' resources must not be filtered, each light's as an instance: textures of formats that not every device
+/// can filter, where the plan does not ask for one that can, and samplers that do not ask to.
+pub fn unfiltered(lights: &[&ShadowResources]) -> Unfiltered {
+    let lights = lights.iter().enumerate();
+    let names = lights.flat_map(|(instance, light)| {
+        let names = light.unfiltered();
+        names.map(move |name| (instance, name.clone()))
+    });
+    names.collect()
+}
+
+impl ShadowResources {
+    fn unfiltered(&self) -> impl Iterator<Item = &String> {
+        use wgpu::TextureFormat::{R32Float, Rg32Float, Rgba32Float};
+        let textures = self
+            .textures
+            .iter()
+            .filter(|(_, (format, _))| matches!(format, R32Float | Rg32Float | Rgba32Float))
+            .filter(|_| !self.filters_all_floats)
+            .map(|(name, _)| name);
+        let samplers = self
+            .samplers
+            .iter()
+            .filter(|(_, (desc, _))| desc.filter == wgpu::FilterMode::Nearest)
+            .map(|(name, _)| name);
+        textures.chain(samplers)
+    }
 }

@@ -136,6 +136,55 @@ impl Shadow {
         self
     }
 
+    /// The same with another value of a setting.
+    pub fn with_setting(mut self, name: &str, value: f64) -> Self {
+        self.settings.insert(name.to_owned(), value);
+        self
+    }
+
+    /// This put over a light's `own`: its method takes the place of the light's, and an empty one keeps it; its values of
+    /// axes and settings take the place of the light's for the same method, as far as the parts then chosen have them. None
+    /// where no shadow is cast.
+    ///
+    /// # Errors
+    /// As [`Self::check`]: for the light's own choices by themselves as well, as these hold without this.
+    pub fn over<'a>(
+        &self,
+        own: Option<&Self>,
+        registry: &'a Registry,
+        library: &Library,
+    ) -> Result<Option<CheckedShadow<'a>>, ShadowError> {
+        let mut all = match (self.method.as_str(), own) {
+            ("", None) | (Self::NONE, _) => return Ok(None),
+            ("", Some(own)) => own.clone(),
+            // Choices for one method mean nothing to another.
+            (method, own) => own
+                .filter(|own| own.method == method)
+                .map_or_else(|| Self::new(method), Self::clone),
+        };
+        if all.method == Self::NONE {
+            return Ok(None);
+        }
+        all.check(registry, library)?;
+        for axis in [Choice::DEPTH, Choice::FILTER] {
+            if let Some(value) = self.axes.get(axis) {
+                all.axes.insert(axis.to_owned(), value.clone());
+            }
+        }
+        // What the light chooses for one part may mean nothing to another.
+        let choice = all.choice(registry, library)?;
+        let (axes, settings) = (choice.axes(), choice.settings());
+        let has_axis = |axis: &str| axes.contains(&axis);
+        let has_setting = |name: &str| settings.iter().any(|setting| setting.name == name);
+        all.axes.retain(|axis, _| has_axis(axis));
+        all.settings.retain(|name, _| has_setting(name));
+        let chosen = self.axes.iter().filter(|(axis, _)| has_axis(axis));
+        all.axes.extend(chosen.map(|(a, v)| (a.clone(), v.clone())));
+        let chosen = self.settings.iter().map(|(n, v)| (n.clone(), *v));
+        all.settings.extend(chosen);
+        all.check(registry, library).map(Some)
+    }
+
     /// The parts that are chosen, with defaults for what is not.
     ///
     /// # Errors

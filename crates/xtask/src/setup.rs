@@ -9,15 +9,15 @@ use crate::run::{
     behind_spinner, cargo, failure, output_behind_spinner, root, shell_line, umbrage, visibly,
 };
 
-/// What a machine may lack, and what has it.
+/// Something that a machine may lack, and the packages that have it.
 struct Missing {
-    /// What there is none of.
+    /// Name of what is missing.
     what: &'static str,
-    /// What is installed instead of asking.
+    /// Name of what is installed instead of asking.
     name: &'static str,
     /// Debian's packages of it.
     packages: &'static [&'static str],
-    /// What to do where there is no apt-get.
+    /// Advice where there is no apt-get.
     by_hand: &'static str,
 }
 
@@ -36,17 +36,17 @@ const COMPILER: Missing = Missing {
     by_hand: "install one, and name it in CXX if it is not `c++`",
 };
 
-/// What `cargo xtask test` asks of cargo beyond building.
+/// Parts of cargo that `cargo xtask test` needs beyond building.
 const TOOLS: [&str; 2] = ["fmt", "clippy"];
 
 /// The test that passes where the command finds an adapter.
 const ADAPTER_TEST: &str = "arguments::the_adapter_has_a_name";
 
-/// What the command says, and the test repeats, where the machine has no adapter. Nothing else that may go
+/// Words of the command, which the test repeats, where the machine has no adapter. Nothing else that may go
 /// wrong is helped by installing one. The command's test `no_adapter` holds it to these words.
 const NO_ADAPTER: &str = "no Vulkan adapter was found";
 
-/// What looking for an adapter comes to, where the looking itself does not fail.
+/// Outcome of looking for an adapter, where the looking itself does not fail.
 #[derive(Debug, PartialEq, Eq)]
 enum Adapter {
     Found(String),
@@ -136,7 +136,7 @@ fn ensure_compiler(there: impl Fn() -> bool) -> Result<()> {
     Ok(())
 }
 
-/// What a build compiles C++ by.
+/// Command by which a build compiles C++.
 fn compiler() -> String {
     let named = std::env::var("CXX").unwrap_or_default();
     // Flags may follow it.

@@ -10,7 +10,7 @@ use crate::{
 
 pub(crate) fn test() -> Result<()> {
     let mut steps = Steps::new(6);
-    // What takes a second comes before what takes minutes.
+    // Checks of a second come before checks of minutes.
     steps.begin("cargo's tools");
     set_up_tools()?;
     steps.run("formatting", &mut cargo(&["fmt", "--all", "--check"]))?;

@@ -100,17 +100,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         range: 30.0,
     };
     let lights = [
-        (sun, Vec3::new(1.1, 1.0, 0.9), "pssm", "hpsm"),
-        (lamp, Vec3::new(10.0, 20.0, 40.0), "basic", "esm"),
+        (sun, Vec3::new(3.5, 3.1, 2.8), "pssm", "hpsm"),
+        (lamp, Vec3::new(31.0, 63.0, 126.0), "basic", "esm"),
     ];
     let seen = Constants::new().with("view_proj", view.view_proj_relative().as_mat4());
     let seen = seen.with("eye", eye.as_vec3());
     let mut executor = Executor::new(&device, &queue, Arc::clone(&composer));
     let mut encoder = device.create_command_encoder(&Default::default());
+    let (mut keys, mut lit) = (Vec::new(), Vec::new());
     for (number, (kind, color, method, filter)) in lights.into_iter().enumerate() {
         let (light, shadow) = (Light { kind, color }, Shadow::new(method));
         let shadow = shadow.with("filter", filter).check(&parts, &library)?;
-        let constants = light.constants(eye);
         let job = Job {
             light: number as u64,
             name: light.kind.name(),
@@ -118,33 +118,32 @@ fn main() -> Result<(), Box<dyn Error>> {
             frame: &shadow.frame(&view, &light, &bounds, &bounds),
             casters: &Identity::unchanging(bounds.len()),
             choices: &[],
-            constants: &constants,
+            constants: &light.constants(eye),
             camera_depth: None,
         };
-        // What of the light's maps does not stand yet is drawn.
-        let done = executor.shadow(&mut encoder, &job, &mut blocks)?;
-
-        // The blocks in this light, added to what the lights before it gave.
-        let choices = shadow.choices(&light).chain([("pass", "blocks")]);
-        let permutation = composer.compose(&library.key(choices)?)?.permutation;
-        let (format, add) = (canvas.color.format(), (number > 0).then_some(execute::ADD));
-        let state = DrawState {
-            colors: vec![ColorState::new(format, add)],
-            depth: Some(canvas.depth.format()),
-            compare: CompareFunction::GreaterEqual,
-            write_depth: number == 0,
-            unfiltered: execute::unfiltered(Some(&done.resources)),
-            ..DrawState::NOTHING
-        };
-        let pipeline = executor.pipeline(&permutation, state, &[VERTEX])?;
-        let own = [("view", &seen), ("light", &constants)];
-        let groups = done.resources.groups(gpu, &pipeline.program, &own)?;
-        let mut pass = canvas.begin(&mut encoder, number == 0);
-        pass.set_pipeline(&pipeline.pipeline);
-        groups.set(&mut pass);
-        pass.set_vertex_buffer(0, blocks.vertices.slice(..));
-        pass.draw(0..36 * bounds.len() as u32, 0..1);
+        // Draws those of the light's maps that do not stand yet.
+        lit.push(executor.shadow(&mut encoder, &job, &mut blocks)?.resources);
+        keys.push(library.key(shadow.choices(&light).chain([("pass", "blocks")]))?);
     }
+    // The blocks in all lights, by one shader.
+    let lit: Vec<_> = lit.iter().collect();
+    let permutation = composer.compose_all(&keys)?.permutation;
+    let state = DrawState {
+        colors: vec![ColorState::new(canvas.color.format(), None)],
+        depth: Some(canvas.depth.format()),
+        compare: CompareFunction::GreaterEqual,
+        write_depth: true,
+        unfiltered: execute::unfiltered(&lit),
+        ..DrawState::NOTHING
+    };
+    let pipeline = executor.pipeline(&permutation, state, &[VERTEX])?;
+    let groups = execute::groups(gpu, &pipeline.program, &lit, &[("view", &seen)])?;
+    let mut pass = canvas.begin(&mut encoder, true);
+    pass.set_pipeline(&pipeline.pipeline);
+    groups.set(&mut pass);
+    pass.set_vertex_buffer(0, blocks.vertices.slice(..));
+    pass.draw(0..36 * bounds.len() as u32, 0..1);
+    drop(pass);
     queue.submit([encoder.finish()]);
     canvas.read(&device, &queue)?.save(&path)?;
     Ok(())

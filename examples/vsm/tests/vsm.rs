@@ -3,25 +3,30 @@
 use std::{path::Path, process::Command, sync::Arc};
 
 use umbrage::{
-    compose::{Composer, Library, Target},
-    render::{Gpu, Picture, RenderOptions, Renderer, Scene, What},
+    compose::{Composer, Library, RonFile, Target},
+    render::{Gpu, Picture, RenderOptions, Renderer, Scene, Shadow, What},
+    shadow::Registry,
 };
 use umbrage_example_vsm::{Vsm, package};
-use umbrage_testkit::pictures;
+use umbrage_testkit::{Limits, conformance, pictures};
 
 fn library() -> Library {
     let ours = umbrage::shader_package().expect("the shader library is sound");
     Library::new([ours, package().expect("a package")]).expect("they fit together")
 }
 
-fn renderer() -> Renderer {
+fn registry() -> Registry {
     let mut registry = umbrage::methods::registry().expect("names are unique");
     registry.filters.add(Vsm).expect("a name of its own");
+    registry
+}
+
+fn renderer() -> Renderer {
     let composer = Composer::new(library(), Target::webgpu());
     Renderer::new(
         Arc::new(Gpu::new().expect("an adapter")),
         Arc::new(composer),
-        registry,
+        registry(),
     )
 }
 
@@ -31,14 +36,11 @@ fn scene(name: &str) -> Scene {
 }
 
 fn options(method: &str, filter: &str) -> RenderOptions {
-    let axes = [("filter", filter), ("pcf", "5")];
-    let axes = axes.map(|(axis, value)| (axis.to_owned(), value.to_owned()));
     RenderOptions {
         width: 160,
         height: 90,
         what: What::ShadowTerm,
-        method: Some(method.to_owned()),
-        axes: axes.into(),
+        shadow: Shadow::new(method).with("filter", filter).with("pcf", "5"),
         ..RenderOptions::default()
     }
 }
@@ -108,9 +110,29 @@ fn the_command_knows_it() {
     let picture = image::open(drawn).expect("a picture").into_rgb8();
     let checked = pictures::check(&picture, &folder.join("vsm.png"));
     assert_eq!(checked, Ok(()));
-    run(&["stress", "--limits=limits.ron", "--variants=vsm,vsm pssm"]);
+    run(&[
+        "stress",
+        "--limits=limits.ron",
+        "--variants=vsm",
+        "--cases=contact",
+    ]);
     let key = "filter=vsm,light=spot,method=pssm,pass=shadow_term,taper=on";
     run(&["check", "--key", key, "--key", "filter=vsm,pass=vsm_down"]);
+}
+
+/// The filter keeps what all parts promise, and its limits in the hard cases.
+#[test]
+fn it_conforms() {
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("limits.ron");
+    let limits = RonFile::load(&table).and_then(Limits::read);
+    let limits = limits.expect("a sound table");
+    let packages = [
+        umbrage::shader_package().expect("the shader library is sound"),
+        package().expect("the package is sound"),
+    ];
+    let held = conformance(packages, registry(), &limits, &["vsm", "vsm pssm"]);
+    let held = held.unwrap_or_else(|broken| panic!("{broken}"));
+    assert_eq!(held.variants, 2);
 }
 
 /// A filter is small: what its page promises who reads it.

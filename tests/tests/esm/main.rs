@@ -1,4 +1,4 @@
-//! What exponential shadow maps are known for, on a device and against closed forms: they are percentage-closer filtering
+//! Known traits of exponential shadow maps, on a device and against closed forms: they are percentage-closer filtering
 //! where all occluders lie in front of the receiver, they leak at contacts, and two kinds of scenes break them.
 //!
 //! The scenes are level sheets, seen from below, under a light from straight above: a sheet's height is its distance.
@@ -104,7 +104,7 @@ fn it_is_percentage_closer_filtering_where_all_occluders_are_in_front() {
         for (filter, exponent) in [("esm", 150.0), ("esm_half", 19.0), ("esm_log", 2000.0)] {
             let esm = studio.draw(&sheets, -9.0, &choice(filter, exponent));
             let (range, _) = esm.range();
-            let raised = (exponent * esm.bias()).exp_m1();
+            let biased = (exponent * esm.bias()).exp_m1();
             let leak = (-exponent * (2.5 / range - esm.bias())).exp();
             // Weights of 8 bits, in two fetches on one side and one on the other.
             let bound = rounding(filter, exponent) + 1.5 / 256.0;
@@ -112,15 +112,15 @@ fn it_is_percentage_closer_filtering_where_all_occluders_are_in_front() {
             for ((pcf, esm), place) in pcf.terms.iter().zip(&esm.terms).zip(&esm.places) {
                 let above = esm - pcf;
                 worst = worst.max(above.abs());
-                let most = (raised * pcf + leak * (1.0 - pcf)).min(1.0 - pcf);
+                let most = (biased * pcf + leak * (1.0 - pcf)).min(1.0 - pcf);
                 assert!(
                     (-bound..=most + bound).contains(&above),
-                    "{filter} {width}, {place}: {esm}, but {pcf} by comparison; {leak}, {raised}"
+                    "{filter} {width}, {place}: {esm}, but {pcf} by comparison; {leak}, {biased}"
                 );
             }
             println!(
                 "{filter} of {width}: {worst:.4} off, of {:.4}",
-                leak.max(raised) + bound
+                leak.max(biased) + bound
             );
         }
     }

@@ -1,7 +1,7 @@
-//! What a slope does: where a receiver's distance from the light grows by a share s of the range a texel, its term is
+//! Effect of a slope: where a receiver's distance from the light grows by a share s of the range a texel, its term is
 //! multiplied by sinh(x) / x, x = k s W / 2, whatever else makes it, be it light, a leak, or what lies behind.
 //!
-//! Sheets are parallel, and steep along x, for the light is tilted or they are. What they hold changes at a line of
+//! Sheets are parallel, and steep along x, for the light is tilted or they are. A map's contents change at a line of
 //! equal distance, so that a window has the same slope on both sides of it.
 
 use glam::{DMat4, DVec2, DVec3};
@@ -45,7 +45,7 @@ const CASES: [Case; 3] = [
 /// How steep the sheets are towards the light, the tangent, and what the documentation says of it.
 const STEEP: [(f64, f64); 2] = [(1.0, 1.2), (3.0, 3.9)];
 
-/// What tilts.
+/// Parts of the scene that tilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tilted {
     Light,
@@ -126,7 +126,7 @@ impl Map {
     }
 }
 
-/// What a slope multiplies a term with, between texels' middles and on them: their mean, and what a bilinear fetch
+/// Factors by which a slope multiplies a term, between texels' middles and on them: their mean, and what a bilinear fetch
 /// makes of an exponential halfway.
 fn factors(exponent: f64, steep: f64) -> [f64; 2] {
     let half = 0.5 * exponent * steep.abs();

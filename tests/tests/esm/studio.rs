@@ -36,7 +36,7 @@ pub(crate) fn sheet(half: f64, height: f64) -> Sheet {
     }
 }
 
-/// What a scene is drawn with.
+/// Filter and map that a scene is drawn with.
 pub(crate) struct Choice {
     pub(crate) filter: &'static str,
     pub(crate) width: u32,
@@ -76,7 +76,7 @@ impl Drawn {
         (step(DVec3::Z), texel)
     }
 
-    /// What a receiver's depth is raised by, as a share of the range.
+    /// A receiver's bias, as a share of the range.
     pub(crate) fn bias(&self) -> f64 {
         match self.plan.constants.get("bias") {
             Some(Value::Vec2(bias)) => bias.x.into(),
@@ -232,7 +232,7 @@ impl Studio {
     }
 }
 
-/// What rounding may do to a term, relative. Positions, depths and exponentials of f32 differ by a few units in the last of 24
+/// Relative error of a term by rounding. Positions, depths and exponentials of f32 differ by a few units in the last of 24
 /// bits, which the exponent multiplies; each of the two maps and the fetch may round to 11 bits in halves.
 pub(crate) fn rounding(filter: &str, exponent: f64) -> f64 {
     let halves = if filter == "esm_half" {

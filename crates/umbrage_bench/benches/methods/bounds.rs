@@ -1,4 +1,4 @@
-//! What bounds before a filter save: time, construction included, and fetches; and whether they change a pixel.
+//! Savings of bounds before a filter: time, construction included, and fetches; and whether they change a pixel.
 
 use std::{collections::BTreeMap, error::Error, path::Path as FilePath};
 
@@ -41,7 +41,7 @@ struct Figures {
     over_pcf: f64,
     /// The same of objects drawn one after another.
     forward: Forward,
-    /// Of the receivers that ask a map, the mean and shares.
+    /// Of the receivers that sample a map, the mean and shares.
     fetches: f64,
     lit_by_depth: f64,
     lit_by_plane: f64,
@@ -153,7 +153,7 @@ impl Report {
     }
 }
 
-/// What needs no clock.
+/// Figures that need no clock.
 fn count(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -182,10 +182,10 @@ fn count(
     let pairs = own.iter().zip(&whole);
     let decisions = decisions.concat();
     let number = |wanted| decisions.iter().filter(|found| **found == wanted).count() as f64;
-    let asked = decisions.len() as f64 - number(Decision::Unasked);
-    let share = |wanted| number(wanted) / asked.max(1.0);
+    let sampled = decisions.len() as f64 - number(Decision::Unasked);
+    let share = |wanted| number(wanted) / sampled.max(1.0);
     Ok(Figures {
-        fetches: fetches.concat().iter().copied().map(f64::from).sum::<f64>() / asked.max(1.0),
+        fetches: fetches.concat().iter().copied().map(f64::from).sum::<f64>() / sampled.max(1.0),
         lit_by_depth: share(Decision::LitByDepth),
         lit_by_plane: share(Decision::LitByPlane),
         shadowed_by_depth: share(Decision::ShadowedByDepth),

@@ -1,4 +1,4 @@
-//! What shading with exponential maps takes beside comparisons of the same width.
+//! Time of shading with exponential maps beside comparisons of the same width.
 
 use std::{collections::BTreeMap, error::Error, path::Path as FilePath};
 
@@ -18,8 +18,8 @@ const FILTERS: [Option<&str>; 5] = [
 
 #[derive(Serialize)]
 pub(crate) struct Report {
-    /// What shadows by an exponential map 15 texels wide add to the time of the shadow terms' pass, over what shadows by 15 ×
-    /// 15 comparisons add to it: the sum of all scenes.
+    /// Time that shadows by an exponential map 15 texels wide add to the shadow terms' pass, over the time that shadows by
+    /// 15 × 15 comparisons add to it: the sum of all scenes.
     esm15_over_pcf15: f64,
     /// The same with the time that the pass takes without shadows: surfaces, which both have.
     esm15_over_pcf15_with_surfaces: f64,

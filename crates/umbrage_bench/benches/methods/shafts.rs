@@ -1,4 +1,4 @@
-//! What bounds before the filter save a march through the air: time, construction included, and fetches.
+//! Savings of bounds before the filter in a march through the air: time, construction included, and fetches.
 
 use std::{error::Error, path::Path};
 

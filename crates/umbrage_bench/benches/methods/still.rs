@@ -4,7 +4,7 @@ use std::{error::Error, path::Path as FilePath};
 
 use serde::Serialize;
 use umbrage_measure::report::Spread;
-use umbrage_render::{RenderOptions, Renderer, What};
+use umbrage_render::{RenderOptions, Renderer, Shadow, What};
 
 use crate::timing::{ROUNDS, SIZE, load};
 
@@ -43,7 +43,7 @@ pub(crate) fn measure(
             width: SIZE.0,
             height: SIZE.1,
             what: What::Shaded,
-            axes: [("filter".to_owned(), filter.to_owned())].into(),
+            shadow: Shadow::default().with("filter", filter),
             fresh,
             ..RenderOptions::default()
         };

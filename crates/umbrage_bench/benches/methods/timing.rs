@@ -1,10 +1,10 @@
-//! What the benchmarks of filters share: how they draw, and what they time.
+//! Ways of drawing and timing that the benchmarks of filters share.
 
 use std::{error::Error, path::Path as FilePath};
 
 use umbrage_compose::Purpose;
 use umbrage_measure::report::Spread;
-use umbrage_render::{Path, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{Path, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 
 /// Each with the scene's own method: splits in the first, one map in the others.
 pub(crate) const SCENES: [&str; 4] = ["avenue", "bunny_sun", "leaves", "suzanne_spot"];
@@ -47,7 +47,7 @@ pub(crate) fn load(scenes: &FilePath, name: &str) -> Result<Scene, Box<dyn Error
     Ok(Scene::load(scenes.join(name).with_extension("ron"))?)
 }
 
-/// What each of `ways` takes, round by round.
+/// Time of each of `ways`, round by round.
 pub(crate) fn time<const N: usize>(
     renderer: &mut Renderer,
     scene: &Scene,
@@ -59,7 +59,7 @@ pub(crate) fn time<const N: usize>(
             // The first one makes the maps, in the place of another's: not counted.
             draw(renderer, scene, way, What::ShadowTerm)?;
             let pass = match way.path {
-                Path::Forward => "shadow_term",
+                Path::Forward | Path::ForwardAll => "shadow_term",
                 Path::Mask | Path::MaskBySplit => "mask",
             };
             *times = split(&draw(renderer, scene, way, What::ShadowTerm)?, pass);
@@ -74,11 +74,9 @@ pub(crate) fn draw(
     way: Way,
     what: What,
 ) -> Result<Rendered, Box<dyn Error>> {
-    let options = RenderOptions {
-        method: way.method.map(str::to_owned),
-        path: way.path,
-        ..options(SIZE, &way.axes, what)
-    };
+    let mut options = options(SIZE, &way.axes, what);
+    options.path = way.path;
+    options.shadow.method = way.method.unwrap_or_default().to_owned();
     Ok(renderer.render(scene, &options)?)
 }
 
@@ -93,9 +91,7 @@ pub(crate) fn options(
         width,
         height,
         what,
-        axes: axes
-            .map(|(axis, value)| ((*axis).to_owned(), (*value).to_owned()))
-            .collect(),
+        shadow: axes.fold(Shadow::default(), |shadow, (a, v)| shadow.with(a, v)),
         // Shadow maps are part of the cost.
         fresh: true,
         timed: true,

@@ -179,10 +179,11 @@ fn bindings_of_stage(
         subject
             .limit(limit, used.len() as u64, what)
             .map_err(|message| {
-                let fault = match used.last() {
+                let mut fault = match used.last() {
                     Some(last) => at_binding(subject, last, message),
-                    None => Fault::new(crate::Cause::Validation, message),
+                    None => Fault::new(crate::Cause::Limit, message),
                 };
+                fault.cause = crate::Cause::Limit;
                 fault.note("use fewer, or pack them together")
             })?;
     }

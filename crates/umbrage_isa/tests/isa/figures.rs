@@ -1,4 +1,4 @@
-//! What the figures say.
+//! Meaning of the figures.
 
 use umbrage_compose::Stage;
 use umbrage_isa::{ColorTarget, Isa, PipelineState, costs};
@@ -138,7 +138,7 @@ fn families_differ() {
     assert!(vega.inverse_throughput > rdna2.inverse_throughput);
 }
 
-/// What the crate page says of branches and loops.
+/// Claims of the crate page about branches and loops.
 #[test]
 fn loops_are_counted_once_and_timed_by_a_guess() {
     let mut compiler = compiler("navi21");

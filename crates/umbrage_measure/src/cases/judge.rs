@@ -1,26 +1,19 @@
 //! Holding a variant's figures against the limits.
 
-use std::sync::LazyLock;
-
 use serde::Serialize;
-use serde_json::Value;
 
-use super::limits::{Excepted, Figure, Limit, Limits};
+use super::{
+    figure::{Excepted, Figure, Values, is_optional},
+    limits::{Limit, Limits},
+};
 use crate::figures::Figures;
-
-/// The figure beside those of [`Figures`]: the share of samples that are lit here and in shadow in the
-/// picture of the case that this one must look the same as, or the reverse.
-pub const DIFFERS: &str = "differs";
-
-/// Figures that no variant may be excepted from.
-pub(super) const NEVER_EXCEPTED: [&str; 2] = ["bad_pixels", "compared"];
 
 /// How a variant did in a case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// Whether all limits are met, but for those that the variant is excepted from.
     pub passed: bool,
-    /// What it is excepted from and does not meet, with the reasons; none where it meets all.
+    /// Exceptions that it needs, with the reasons; none where it meets all.
     pub exception: Option<String>,
     /// The limits that it misses, by the figures' names.
     pub missed: Vec<Miss>,
@@ -36,7 +29,7 @@ pub struct Verdict {
 pub struct Miss {
     /// The figure's name.
     pub figure: String,
-    /// What was found; none where the figure is missing or no number.
+    /// Figure found; none where the figure is missing or no number.
     pub found: Option<f64>,
     /// The limit.
     pub limit: Limit,
@@ -45,7 +38,7 @@ pub struct Miss {
 }
 
 impl Limits {
-    /// Holds `figures` of the variant called `variant` against the limits of `case`; `differs` is the figure [`DIFFERS`] where
+    /// Holds `figures` of the variant called `variant` against the limits of `case`; `differs` is the figure [`DIFFERS`](super::DIFFERS) where
     /// the case has a twin. None where there is no such case.
     ///
     /// Every limit of the case's own must find its figure. One for every case is passed over where the
@@ -112,54 +105,4 @@ impl Limits {
             spared,
         })
     }
-}
-
-/// The figures' numbers by their names.
-struct Values {
-    figures: Value,
-    differs: Option<f64>,
-}
-
-impl Values {
-    fn new(figures: &Figures, differs: Option<f64>) -> Self {
-        Self {
-            figures: as_json(figures),
-            differs,
-        }
-    }
-
-    /// None for what is missing, not a number or infinite.
-    fn get(&self, name: &str) -> Option<f64> {
-        if name == DIFFERS {
-            return self.differs.filter(|differs| differs.is_finite());
-        }
-        self.figures.get(name).and_then(Value::as_f64)
-    }
-}
-
-fn as_json(figures: &Figures) -> Value {
-    // Plain numbers have no way to fail; without any, every limit would be missed.
-    serde_json::to_value(figures).unwrap_or_default()
-}
-
-/// The names of all figures, by the alphabet, and whether a picture may have none.
-static FIGURES: LazyLock<Vec<(&'static str, bool)>> = LazyLock::new(|| {
-    let figures = as_json(&Figures::default());
-    let figures = figures.as_object().into_iter().flatten();
-    // Made once, and so few that they are kept for good.
-    let named = figures.map(|(name, value)| (&*name.clone().leak(), value.is_null()));
-    named.chain([(DIFFERS, true)]).collect()
-});
-
-/// The names of all figures.
-pub(super) fn figure_names() -> &'static [&'static str] {
-    static NAMES: LazyLock<Vec<&'static str>> =
-        LazyLock::new(|| FIGURES.iter().map(|(name, _)| *name).collect());
-    &NAMES
-}
-
-fn is_optional(name: &str) -> bool {
-    FIGURES
-        .iter()
-        .any(|(known, optional)| *known == name && *optional)
 }

@@ -3,20 +3,20 @@
 use std::{collections::BTreeMap, fmt, sync::LazyLock};
 
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
-use umbrage_compose::{Error, Fault, RonFile};
-use umbrage_hints::did_you_mean;
+use umbrage_compose::{Error, Fault, Library, RonFile};
+use umbrage_shadow::Registry;
 
-use super::judge::{NEVER_EXCEPTED, figure_names};
-use crate::study::Config;
+use super::figure::{Excepted, Figure, known, unknown};
+use crate::{Config, StudyError};
 
 /// The limits of all hard cases, and the variants of methods that are held to them.
 ///
 /// A variant meets a case where it meets each of its limits: those of `every`, those of the case's
-/// `any`, which stand in their place, and its own under `methods`. What it cannot meet is listed
+/// `any`, which stand in their place, and its own under `methods`. A limit that it cannot meet is listed
 /// under `exceptions` with the reason; its own limit then says how far it may go.
 ///
-/// What a variant cannot be by its nature it says once: its own limits `throughout` stand in the place of all
-/// that are stricter.
+/// A limit that a variant cannot meet by its nature is said once: its own limits `throughout` stand in the place of all that
+/// are stricter.
 ///
 /// A variant that is `like` another takes that one's limits and exceptions over, case by case, where it has none
 /// of its own. Each exception must be needed by each variant that has it.
@@ -30,7 +30,7 @@ pub struct Limits {
     table: Table,
 }
 
-/// What is written in the file.
+/// Contents of the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -75,7 +75,7 @@ pub(super) struct CaseLimits {
     /// For a variant, beside those for all.
     #[serde(deserialize_with = "RonFile::unique")]
     pub(super) methods: BTreeMap<String, OwnLimits>,
-    /// What a variant does not meet of the limits for all, and why.
+    /// Limits for all that a variant does not meet, and why.
     #[serde(deserialize_with = "RonFile::unique")]
     pub(super) exceptions: BTreeMap<String, Exceptions>,
 }
@@ -95,7 +95,7 @@ pub(super) struct Exceptions(
     #[serde(deserialize_with = "RonFile::unique")] pub(super) BTreeMap<Excepted, Reason>,
 );
 
-/// What a figure must not exceed, or not fall below.
+/// Bound of a figure: the most or the least that it may be.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, try_from = "WrittenLimit")]
 pub struct Limit {
@@ -105,7 +105,7 @@ pub struct Limit {
     /// The least that it may be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
-    /// What the limit follows from.
+    /// Reason for the limit.
     pub why: String,
 }
 
@@ -199,6 +199,38 @@ impl Limits {
         &self.table.variants
     }
 
+    /// Variants of `methods` to be held against the limits: those that the table lists of each; a method of which it lists
+    /// none with its defaults, by its own name.
+    ///
+    /// # Errors
+    /// A method that is not registered; a variant with an axis, a value or a setting that its method does not
+    /// have, with the place in the table; a method without a variant that is called as another's is.
+    pub fn variants_of(
+        &self,
+        methods: &[String],
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Vec<Config>, StudyError> {
+        let plain = |method: &str| Ok(vec![Config::plain(method, method)]);
+        let variants = Config::of_each(methods, registry, self.variants(), plain)?;
+        for variant in &variants {
+            let listed = self.variants().iter().find(|v| v.name == variant.name);
+            let checked = match listed
+                .filter(|listed| listed.shadow.method != variant.shadow.method)
+            {
+                Some(listed) => Err(format!(
+                    "a variant of `{}` is called as the method `{}`; rename it, or list a variant of that method",
+                    listed.shadow.method, variant.name
+                )),
+                None => variant.check(registry, library),
+            };
+            checked.map_err(|problem| {
+                umbrage_compose::Error::from(self.fault(&variant.name, problem))
+            })?;
+        }
+        Ok(variants)
+    }
+
     /// Why the table has a variant not be tried in a case; none where it is to be.
     pub(crate) fn passes_over(&self, case: &str, variant: &str) -> Option<&str> {
         let only = self.table.only.get(variant)?;
@@ -239,7 +271,7 @@ impl Limits {
         variants.flat_map(|(variant, own)| own.0.keys().map(|figure| (variant.as_str(), figure.0)))
     }
 
-    /// What `entries` has for `variant`.
+    /// Entry for `variant` in `entries`.
     pub(super) fn entry<'a, T>(
         &'a self,
         entries: &'a BTreeMap<String, T>,
@@ -463,14 +495,6 @@ static CASES: LazyLock<Vec<&'static str>> =
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct CaseName(pub(super) &'static str);
 
-/// The name of a figure that there is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Figure(pub(super) &'static str);
-
-/// A figure that a variant may be excepted from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Excepted(pub(super) Figure);
-
 /// A reason; it says something.
 #[derive(Clone, Debug)]
 pub(super) struct Reason(pub(super) String);
@@ -481,46 +505,9 @@ impl fmt::Display for CaseName {
     }
 }
 
-impl fmt::Display for Figure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0)
-    }
-}
-
-impl fmt::Display for Excepted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
 impl<'de> Deserialize<'de> for CaseName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         known("case", &String::deserialize(deserializer)?, &CASES).map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Figure {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        known(
-            "figure",
-            &String::deserialize(deserializer)?,
-            figure_names(),
-        )
-        .map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Excepted {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let figure = Figure::deserialize(deserializer)?;
-        if NEVER_EXCEPTED.contains(&figure.0) {
-            let message = format!(
-                "no method is excepted from the limit of `{}`; mend the method",
-                figure.0
-            );
-            return Err(D::Error::custom(message));
-        }
-        Ok(Self(figure))
     }
 }
 
@@ -534,23 +521,4 @@ impl<'de> Deserialize<'de> for Reason {
         }
         Ok(Self(reason))
     }
-}
-
-/// The name as `known` has it.
-fn known<E: serde::de::Error>(
-    what: &str,
-    name: &str,
-    known: &[&'static str],
-) -> Result<&'static str, E> {
-    let found = known.iter().find(|known| **known == name).copied();
-    found.ok_or_else(|| E::custom(unknown(what, name, known.iter().copied())))
-}
-
-/// That there is no such name, and which was meant or may be.
-fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    let hint = match did_you_mean(name, known.clone()) {
-        Some(question) => format!("; {question}"),
-        None => format!(" (known: {})", known.collect::<Vec<_>>().join(", ")),
-    };
-    format!("there is no {what} `{name}`{hint}")
 }

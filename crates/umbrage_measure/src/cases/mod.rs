@@ -4,6 +4,7 @@
 mod depth;
 mod direction;
 mod empty;
+mod figure;
 mod form;
 mod judge;
 mod limits;
@@ -27,17 +28,18 @@ use umbrage_render::{Camera, RenderOptions, Scene};
 use umbrage_shadow::Choice;
 
 pub use self::{
-    judge::{DIFFERS, Miss, Verdict},
+    figure::DIFFERS,
+    judge::{Miss, Verdict},
     limits::{Limit, Limits},
 };
-use crate::study::Config;
+use crate::Config;
 
 /// A scene that is hard to shadow.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What tables and reports call it: the kind of case, and which of it.
+    /// Name in tables and reports: the kind of case, and which of it.
     pub name: &'static str,
-    /// What is hard, in a line.
+    /// Difficulty, in a line.
     pub hard: &'static str,
     /// The scene. No light has a method; the shadows of all are measured.
     pub scene: Scene,
@@ -72,7 +74,7 @@ impl Case {
         let mut options = variant.options(self.size);
         for (axis, value) in &self.axes {
             if choice.axes().contains(axis) {
-                choose(&mut options.axes, axis, (*value).to_owned())?;
+                choose(&mut options.shadow.axes, axis, (*value).to_owned())?;
             }
         }
         for (name, value) in &self.settings {
@@ -80,7 +82,7 @@ impl Case {
             if let Some(setting) = settings.iter().find(|s| s.name == *name) {
                 // As near to what makes the case as the part can come.
                 let value = value.clamp(setting.min, setting.max);
-                choose(&mut options.settings, name, value)?;
+                choose(&mut options.shadow.settings, name, value)?;
             }
         }
         Ok(options)

@@ -23,7 +23,7 @@ pub(super) fn flat(triangles: impl IntoIterator<Item = Triangle>) -> Mesh {
     mesh
 }
 
-/// What a line of (radius, height) sweeps in a turn about the y axis, in `segments` steps. The front is to
+/// The surface that a line of (radius, height) sweeps in a turn about the y axis, in `segments` steps. The front is to
 /// the right of the line: outside, where the line goes up. Closed where the line begins and ends
 /// on the axis, or where it began.
 pub(super) fn lathe(line: &[Vec2], segments: u32) -> Mesh {

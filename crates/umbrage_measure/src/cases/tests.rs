@@ -21,7 +21,7 @@ pub(super) fn look(case: &Case) -> (Tracer, Sight) {
     (tracer, sight)
 }
 
-/// What the pixels see and their shadow terms, where a light reaches; the lights' one after another.
+/// Points that the pixels see and their shadow terms, where a light reaches; the lights' one after another.
 pub(super) fn samples(case: &Case) -> Vec<(Seen, f32)> {
     let (tracer, sight) = look(case);
     let of_light = |light| {
@@ -200,8 +200,8 @@ fn twins_are_alike() {
     assert!(out("far-away-1e5") > 6e4 && out("far-away-1e6") > 6e5);
 }
 
-/// What is far out or scaled has the truth of its twin: but for edges through a pixel's very centre, which
-/// rounding may put on either side.
+/// A scene that is far out or scaled has the truth of its twin: but for edges through a pixel's very centre, which rounding
+/// may put on either side.
 #[test]
 fn twins_have_the_same_truth() {
     let base: Vec<_> = samples(&case("far-away-origin"))

@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fmt::Write as _};
 
 use umbrage_compose::RonFile;
 
-use super::{DIFFERS, Limits, all, limits::Figure};
+use super::{DIFFERS, Limits, all, figure::Figure};
 use crate::figures::Figures;
 
 const VARIANTS: &str = r#"[(name: "basic", method: "basic"), (name: "other", method: "basic"), (name: "wide", method: "basic")]"#;

@@ -1,4 +1,4 @@
-//! What is true of each family of cases: it is as hard as its name says.
+//! Properties of each family of cases: it is as hard as its name says.
 
 use std::{collections::BTreeSet, sync::Arc};
 

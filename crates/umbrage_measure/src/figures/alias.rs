@@ -13,7 +13,7 @@ use crate::truth::{Sight, lamp::Lamp};
 
 /// Where light comes in flatter than this cosine (87° to the normal), it is taken to come in so. A texel
 /// covers 20 times its width there, and no finite number of them where the light only grazes: a filter
-/// would explain every error. What is lit so gets a twentieth of the light at the most.
+/// would explain every error. A surface lit so gets a twentieth of the light at the most.
 const FLATTEST: f64 = 0.05;
 
 /// How many pixels a shadow texel covers across, d / d_i, in its two parts (Stamminger and Drettakis
@@ -131,7 +131,7 @@ impl Texel {
         let metres = texel.cells.inverse();
         let facing = facet.normal.dot(to_light);
         let toward = facing.abs().max(FLATTEST).copysign(facing);
-        // What lies beside the ray on the receiver: along the ray, back onto the plane.
+        // Steps beside the ray, carried along the ray back onto the receiver's plane.
         let on_receiver = texel
             .directions
             .map(|aside| aside - to_light * (facet.normal.dot(aside) / toward));

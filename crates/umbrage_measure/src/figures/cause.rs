@@ -10,14 +10,14 @@ use super::{
     surface::Surface,
 };
 
-/// What is known of one light's samples, pixel by pixel.
+/// Data of one light's samples, pixel by pixel.
 pub(super) struct Case<'a> {
     pub(super) surface: &'a Surface,
     pub(super) truth: &'a [Side],
     pub(super) rendered: &'a [Side],
     pub(super) gaps: &'a [Option<f64>],
     /// Whether the light would come from behind.
-    pub(super) turned_away: &'a [bool],
+    pub(super) back_facing: &'a [bool],
     pub(super) texels: &'a [Option<Texel>],
     pub(super) true_edges: &'a Edges,
     pub(super) plan: Option<&'a ShadowPlan>,
@@ -27,8 +27,8 @@ pub(super) struct Case<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     Acne,
-    TurnedAway,
-    Detachment,
+    BackFacing,
+    PeterPanning,
     Leak,
     BeyondRange,
     Edge,
@@ -52,9 +52,9 @@ impl Case<'_> {
         Some(if is_lit && self.is_beyond_range(pixel) {
             Cause::BeyondRange
         } else if is_lit && self.is_at_contact(pixel) {
-            Cause::Detachment
-        } else if !is_lit && self.turned_away[pixel] {
-            Cause::TurnedAway
+            Cause::PeterPanning
+        } else if !is_lit && self.back_facing[pixel] {
+            Cause::BackFacing
         } else if self.is_at_edge(pixel) {
             Cause::Edge
         } else if is_lit {
@@ -102,12 +102,12 @@ impl Case<'_> {
     /// A leak that goes over into a contact without a break is the contact's band: it is as wide as the
     /// method's bias makes it, which no plan tells.
     fn spread(&self, causes: &mut [Option<Cause>]) {
-        let contact = |pixel: &usize| causes[*pixel] == Some(Cause::Detachment);
+        let contact = |pixel: &usize| causes[*pixel] == Some(Cause::PeterPanning);
         let mut border: Vec<_> = (0..causes.len()).filter(contact).collect();
         while let Some(pixel) = border.pop() {
             for next in self.surface.around(pixel) {
                 if causes[next] == Some(Cause::Leak) && self.surface.is_one(pixel, next) {
-                    causes[next] = Some(Cause::Detachment);
+                    causes[next] = Some(Cause::PeterPanning);
                     border.push(next);
                 }
             }

@@ -7,7 +7,7 @@ pub enum FigureError {
     /// Pictures of different sizes.
     #[error("{what} has {found} pixels, but must have {expected}; take all pictures at one size")]
     Length {
-        /// Which picture.
+        /// Name of the picture.
         what: String,
         /// Pixels that it has.
         found: usize,

@@ -67,13 +67,13 @@ pub fn figures(
 pub struct Sample<'a> {
     /// The light.
     pub light: &'a Light,
-    /// What is true: [`Tracer::shadow`](crate::truth::Tracer::shadow).
+    /// Terms in truth: [`Tracer::shadow`](crate::truth::Tracer::shadow).
     pub truth: &'a [Option<f32>],
     /// How far away what keeps the light off is: [`Tracer::gaps`](crate::truth::Tracer::gaps); metres.
     pub gaps: &'a [Option<f64>],
-    /// What was rendered.
+    /// Terms as rendered.
     pub rendered: &'a [f32],
-    /// What the light's method planned for this very view; none for a light without shadows.
+    /// Plan of the light's method for this very view; none for a light without shadows.
     pub plan: Option<&'a ShadowPlan>,
 }
 
@@ -96,16 +96,16 @@ pub struct Figures {
     /// False shadow far from a true edge: the receiver shades itself. `acne`, `turned_away`, `detachment`,
     /// `leak`, `beyond_range` and `edge` are shares too, and add up to `false_lit` and `false_shadow`.
     pub acne: f64,
-    /// False shadow on the side of a thin thing that is turned away from the light. Nothing but the thing
-    /// itself is in the light's way, which does not count, but it gets no light there either: such a
-    /// side can be wrong without being seen to be.
+    /// False shadow on the back-facing side of a thin thing. Nothing but the thing itself is in the light's
+    /// way, which does not count, but it gets no light there either: such a side can be wrong without being
+    /// seen to be.
     pub turned_away: f64,
-    /// False light where the nearest thing in the light's way is within the bias's and the filter's
+    /// Peter-panning: false light where the nearest thing in the light's way is within the bias's and the filter's
     /// reach of the receiver, R + 2 texels' widths stretched by the receiver's slope (20 times at most),
     /// where R is the plan's filter radius; and what goes on from there without a break, as wide as the
     /// method's bias makes it: the shadow's band at the contact.
     pub detachment: f64,
-    /// False light far from an edge and from a contact: behind a caster.
+    /// Light leak: false light far from an edge and from a contact, behind a caster.
     pub leak: f64,
     /// False light beyond the plan's shadow distance; whatever else would explain it.
     pub beyond_range: f64,
@@ -152,7 +152,7 @@ fn is_compared(sight: &Sight, raster: &[Option<(u32, u32)>], pixel: usize) -> bo
     seen.is_some() && seen == raster[pixel]
 }
 
-/// What is known of all lights.
+/// Data of all lights.
 #[derive(Default)]
 struct Pool {
     /// All that is merely counted; shares are still numbers of samples.
@@ -217,7 +217,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
-            turned_away: &surface.turned_away(sample.light),
+            back_facing: &surface.back_facing(sample.light),
             texels,
             true_edges: &true_edges,
             plan: sample.plan,
@@ -232,8 +232,8 @@ impl Pool {
         let share = match cause {
             None => return,
             Some(Cause::Acne) => &mut counts.acne,
-            Some(Cause::TurnedAway) => &mut counts.turned_away,
-            Some(Cause::Detachment) => &mut counts.detachment,
+            Some(Cause::BackFacing) => &mut counts.turned_away,
+            Some(Cause::PeterPanning) => &mut counts.detachment,
             Some(Cause::Leak) => &mut counts.leak,
             Some(Cause::BeyondRange) => &mut counts.beyond_range,
             Some(Cause::Edge) => &mut counts.edge,

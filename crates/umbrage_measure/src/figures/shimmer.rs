@@ -19,9 +19,9 @@ use crate::truth::Sight;
 pub struct Frame<'a> {
     /// The scene, which the frames share but for the camera.
     pub scene: &'a Scene,
-    /// What each pixel sees.
+    /// Points that the pixels see.
     pub sight: &'a Sight,
-    /// What the rasteriser saw there: the object and its triangle.
+    /// Object and triangle that the rasteriser drew in each pixel.
     pub raster: &'a [Option<(u32, u32)>],
     /// The shadow terms of each light; as many in every frame.
     pub lights: Vec<Terms<'a>>,
@@ -30,9 +30,9 @@ pub struct Frame<'a> {
 /// One light's shadow term in a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
-    /// What is true.
+    /// Terms in truth.
     pub truth: &'a [Option<f32>],
-    /// What was rendered.
+    /// Terms as rendered.
     pub rendered: &'a [f32],
 }
 

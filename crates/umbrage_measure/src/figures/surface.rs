@@ -1,4 +1,4 @@
-//! What a picture sees, as planes, and how planes and pictures relate.
+//! Surfaces that a picture sees, as planes, and how planes and pictures relate.
 
 use glam::{DMat2, DMat4, DVec2, DVec3};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use umbrage_shadow::{Light, View};
 use super::FigureError;
 use crate::truth::{Seen, Sight, lamp::Lamp};
 
-/// What each pixel sees, with the triangle's plane.
+/// Points that the pixels see, with their triangles' planes.
 pub(super) struct Surface {
     pub(super) width: usize,
     pub(super) height: usize,
@@ -65,8 +65,8 @@ impl Surface {
         })
     }
 
-    /// Whether the light, were it to arrive, would come from behind the side that is seen.
-    pub(super) fn turned_away(&self, light: &Light) -> Vec<bool> {
+    /// Whether the side that is seen is back-facing: the light, were it to arrive, would come from behind it.
+    pub(super) fn back_facing(&self, light: &Light) -> Vec<bool> {
         let lamp = Lamp::new(&light.kind, self.view.position);
         let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).direction) < 0.0;
         let facets = self.facets.iter();

@@ -25,7 +25,7 @@ const DIM: (f32, f32) = (38.0, 112.0);
 
 /// The error of `rendered` in two colours over a dim picture of `truth`: [`FALSE_LIT`] and
 /// [`FALSE_SHADOW`]. An error of 1 has the full colour, and a smaller one the share √error of it, so that
-/// a soft shadow's small errors are seen too. What is not `compared` but has a truth is [`LEFT_OUT`], and
+/// a soft shadow's small errors are seen too. A pixel not `compared` that has a truth is [`LEFT_OUT`], and
 /// a bad pixel is [`NO_NUMBER`].
 ///
 /// All three have one value a pixel, by rows, from the top left; shadow terms are 0 in shadow to 1 lit,

@@ -29,7 +29,7 @@ pub enum ReportError {
         width: u32,
         /// Pixels down.
         height: u32,
-        /// What there is too little or too much of.
+        /// Kind of item that there are too few or too many of.
         what: &'static str,
         /// How many there are.
         found: usize,

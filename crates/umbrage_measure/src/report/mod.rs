@@ -1,4 +1,4 @@
-//! What is written about the methods: figures of error beside figures of cost.
+//! Reports about the methods: figures of error beside figures of cost.
 //!
 //! A [`Report`] has a [`Row`] for each rendering of a scene. [`write()`] makes two files of it:
 //!
@@ -48,7 +48,7 @@ pub use write::{FILES, FORMAT, check_earlier, write};
 /// It has no date and no path of the machine's: the same figures are the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// What drew: the adapter's name and driver.
+    /// The adapter that drew: its name and driver.
     pub adapter: String,
     /// The command that made the report, as it would be typed.
     pub command: String,
@@ -64,11 +64,11 @@ pub struct Report {
     pub scenes: Vec<SceneInfo>,
     /// The renderings, in any order.
     pub rows: Vec<Row>,
-    /// What was asked for, but cannot be drawn.
+    /// Configurations asked for that cannot be drawn.
     pub skipped: Vec<Skipped>,
 }
 
-/// What there is in a scene.
+/// Contents of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneInfo {
     /// The scene's name, as its rows give it.
@@ -138,9 +138,9 @@ pub struct Row {
     pub fetches_per_pixel: f64,
     /// The share of the compared pixels that take so many fetches, by their number.
     pub fetch_shares: BTreeMap<u32, f64>,
-    /// How often its filter is spared; none where its filter always runs, or no compared pixel asks a map.
+    /// How often its filter is spared; none where its filter always runs, or no compared pixel samples a map.
     pub decided: Option<Decided>,
-    /// What a GPU's compiler makes of the costliest fragment shader; none where that compiler is missing.
+    /// Figures of a GPU's compiler for the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
     /// Whether no other configuration of the scene is at once no worse and somewhere better, in error
     /// and time or in error and memory.
@@ -148,16 +148,16 @@ pub struct Row {
 }
 
 impl Row {
-    /// What methods are ranked by: the share of the compared samples that are wrongly lit or wrongly in
-    /// shadow, 0 to 1.
+    /// The figure that methods are ranked by: the share of the compared samples that are wrongly lit or wrongly in shadow, 0
+    /// to 1.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.figures.false_lit + self.figures.false_shadow
     }
 }
 
-/// How the receivers' light was found, as shares of those compared pixels that ask a map, pooled over the lights, 0 to 1;
-/// they add up to 1.
+/// How the receivers' shadow terms were found, as shares of those compared pixels that sample a map, pooled over the
+/// lights, 0 to 1; they add up to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Decided {
     /// Lit at once, as no depth around is greater.

@@ -1,4 +1,4 @@
-//! What rows are called, and how methods are told apart.
+//! Names of rows, and how methods are told apart.
 
 use std::collections::BTreeSet;
 
@@ -38,7 +38,7 @@ impl Names {
         &self.methods
     }
 
-    /// What a row is called among those of its scene.
+    /// Name of a row among those of its scene.
     pub(super) fn row(&self, row: &Row) -> String {
         let mut name = format!("{} {}", row.method, row.config);
         if self.paths {

@@ -21,7 +21,7 @@ const SCRIPT: &str = include_str!("page.js");
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-/// What the parts of the page share.
+/// Data that the parts of the page share.
 struct Page<'a> {
     report: &'a Report,
     pictures: &'a [Pictures],
@@ -299,7 +299,7 @@ impl Line<'_> {
     fn worst(&self) -> f64 {
         let errors = self.rows.iter().flatten().map(|row| row.error());
         errors.fold(0.0, |worst, error| {
-            // What is not known may be the worst.
+            // An unknown error may be the worst.
             if error.is_nan() {
                 f64::INFINITY
             } else {

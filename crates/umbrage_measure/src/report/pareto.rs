@@ -1,4 +1,4 @@
-//! Which rows are worth having.
+//! Rows that are worth having.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ pub(super) fn points(rows: &[&Row], cost: impl Fn(&Row) -> f64) -> Vec<(f64, f64
     rows.iter().map(|row| (cost(row), row.error())).collect()
 }
 
-/// For each point, whether no other is at once no greater and somewhere less. What is not finite was not
+/// For each point, whether no other is at once no greater and somewhere less. A figure that is not finite was not
 /// measured: it is not on the front, and keeps no other off it. Equal points are on it together.
 pub(super) fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let mut order: Vec<_> = points

@@ -13,7 +13,7 @@ use super::{
     difference::{byte, check_size, difference},
 };
 
-/// What one row's shadows look like. The pictures are kept as PNG, a small part of their size in memory.
+/// Pictures of one row's shadows, kept as PNG, a small part of their size in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pictures {
     /// Pixels across and down.
@@ -95,7 +95,7 @@ impl Pictures {
     }
 }
 
-/// That `picture` has this size; `what` its pixels are, and what as many are in rows of another length.
+/// Checks that `picture` has this size; `what` its pixels are, and what as many are in rows of another length.
 fn check_picture(
     (width, height): (u32, u32),
     picture: &RgbImage,

@@ -25,12 +25,12 @@ const GRID: RGBColor = RGBColor(1, 1, 1);
 const AXIS: RGBColor = RGBColor(2, 2, 2);
 const FRONT: RGBColor = RGBColor(3, 3, 3);
 
-/// What a row costs.
+/// Cost of a row.
 #[derive(Clone, Copy)]
 pub(super) struct Cost {
-    /// What the axis says.
+    /// Label of the axis.
     pub(super) axis: &'static str,
-    /// What the plot is called after "error against".
+    /// Name of the plot after "error against".
     pub(super) name: &'static str,
     pub(super) of: fn(&Row) -> f64,
     /// A cost as people read it.
@@ -165,7 +165,7 @@ fn draw_axes<'a>(
     Ok((placed, front))
 }
 
-/// The front as a line: from the top down to the cheapest, then by steps to the end of the axis. What lies
+/// The front as a line: from the top down to the cheapest, then by steps to the end of the axis. A row
 /// above and to the right of it is beaten.
 fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Corners {
     use plotters::coord::ranged1d::Ranged;
@@ -186,7 +186,7 @@ fn staircase(steps: &[&Row], cost: Cost, x_scale: &Scale, y_scale: &Scale) -> Co
 
 fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost) -> Markup {
     let mut order: Vec<&Point<'_>> = points.iter().collect();
-    // What is drawn last lies on top, and what is labelled first has the choice of places.
+    // The mark drawn last lies on top, and the one labelled first has the choice of places.
     order.sort_by_key(|point| point.on_front);
     let several = points.iter().any(|p| p.row.method != points[0].row.method);
     let marks: Vec<Mark> = order
@@ -215,7 +215,7 @@ fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost
     }
 }
 
-/// What is written beside a point: the method only where there are several.
+/// Label beside a point: the method only where there are several.
 fn label(row: &Row, names: &Names, several: bool) -> String {
     let name = names.row(row);
     if several {

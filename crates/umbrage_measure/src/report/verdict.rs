@@ -1,4 +1,4 @@
-//! Which configuration to choose, worked out from the figures.
+//! The configuration to choose, worked out from the figures.
 
 use super::{
     Row,
@@ -11,7 +11,7 @@ const NEAR: f64 = 2.0;
 /// A row worth choosing, and what for.
 pub(super) struct Choice<'a> {
     pub(super) row: &'a Row,
-    /// Which virtues it has.
+    /// Virtues that it has.
     pub(super) because: Vec<&'static str>,
 }
 

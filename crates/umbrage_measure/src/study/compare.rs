@@ -15,7 +15,7 @@ use crate::{
     truth::{Tracer, Truth, TruthStore},
 };
 
-/// What to compare, beyond scenes and configurations.
+/// Choices for a comparison, beyond scenes and configurations.
 pub struct CompareOptions {
     /// Pixels across and down.
     pub size: (u32, u32),
@@ -41,7 +41,7 @@ pub struct Comparison {
 
 /// Draws each of `scenes` (a name and a scene) with each of `configs`, and measures error and cost.
 ///
-/// `compiler` tells what a GPU would make of the shaders; without one, the report says why. What a configuration
+/// `compiler` tells what a GPU would make of the shaders; without one, the report says why. A picture that a configuration
 /// cannot draw (a light that its method cannot shadow, a map that the device
 /// refuses) is listed in the report with the reason, and the rest goes on.
 ///
@@ -90,7 +90,7 @@ pub fn compare(
     };
     for (name, scene) in scenes {
         let mut scene = scene.clone();
-        // What is compared is shadows on surfaces: air would hide them, and its maps would have more to hold.
+        // Shadows on surfaces are compared: air would hide them, and its maps would have more to hold.
         scene.medium = None;
         // The scene's own axes and settings are not the configuration's; only which lights cast is the scene's choice.
         for shadow in scene
@@ -160,7 +160,7 @@ impl Run<'_> {
                 }
                 Err(reason) => self.comparison.report.skipped.push(Skipped {
                     scene: self.name.to_owned(),
-                    method: config.method.clone(),
+                    method: config.shadow.method.clone(),
                     config: config.name.clone(),
                     reason,
                 }),
@@ -202,7 +202,7 @@ impl Run<'_> {
             let decided = self.lab.decided(subject, config, mean(&fetches))?;
             Ok((terms, fetches, decided, self.lab.shaded(subject, &options)?))
         });
-        // What the device refuses of one configuration says nothing of the others.
+        // A device's refusal of one configuration says nothing of the others.
         let (terms, fetch_shares, decided, shaded) = match drawn {
             Ok(drawn) => drawn,
             Err(error) => return Ok(Err(error.to_string())),
@@ -217,7 +217,7 @@ impl Run<'_> {
         let report = &shaded.report;
         let row = Row {
             scene: self.name.to_owned(),
-            method: config.method.clone(),
+            method: config.shadow.method.clone(),
             config: config.name.clone(),
             path: config.path,
             figures,
@@ -238,7 +238,7 @@ impl Run<'_> {
         Ok(Ok((row, pictures)))
     }
 
-    /// What a GPU's compiler makes of the costliest fragment shader that lights the picture.
+    /// Figures of a GPU's compiler for the costliest fragment shader that lights the picture.
     fn isa(&mut self, shaded: &Rendered) -> Result<Option<Isa>, StudyError> {
         let Some(compiler) = self.compiler.as_deref_mut() else {
             return Ok(None);
@@ -305,7 +305,7 @@ impl Run<'_> {
         Ok(truth)
     }
 
-    /// What is drawn for no configuration's sake.
+    /// Draws for the scene's sake, not a configuration's.
     fn plain<T>(
         &mut self,
         draw: impl FnOnce(&mut Lab) -> Result<T, RenderError>,

@@ -11,7 +11,7 @@ use crate::report::Decided;
 
 impl Lab {
     /// How `config`, which takes so many `fetches` a compared pixel, finds the terms of `subject`: in shares, and in the
-    /// colours of [`Decision::color`]. None where it always filters, or nothing that is compared asks a map.
+    /// colours of [`Decision::color`]. None where it always filters, or nothing that is compared samples a map.
     pub(super) fn decided(
         &mut self,
         subject: &Subject<'_>,
@@ -64,17 +64,17 @@ impl Lab {
 
     /// `config` without the choice of its own that lets it spare the filter; none where it has no such choice.
     fn always_filtering(&self, scene: &Scene, config: &Config) -> Option<Config> {
-        let mut without = config.axes.keys().map(|axis| {
+        let mut without = config.shadow.axes.keys().map(|axis| {
             let mut plain = config.clone();
-            plain.axes.remove(axis);
+            plain.shadow.axes.remove(axis);
             plain
         });
-        // What is left need not go together.
+        // The choices left need not go together.
         without.find(|plain| matches!(self.spares_filter(scene, plain), Ok(false)))
     }
 }
 
-/// What of `decisions` each comes to, as shares of those that ask a map; none where none does.
+/// Share of each decision among the `decisions` of receivers that sample a map; none where none does.
 fn shares(decisions: impl Iterator<Item = Decision>) -> Option<Decided> {
     let mut counts = [0_u64; Decision::ALL.len()];
     for decision in decisions {
@@ -91,9 +91,9 @@ fn shares(decisions: impl Iterator<Item = Decision>) -> Option<Decided> {
         shadowed_by_depth,
         shadowed_by_plane,
     ] = counts;
-    let asked: u64 = counts.iter().skip(1).sum();
-    let share = |count: u64| count as f64 / asked as f64;
-    (asked > 0).then(|| Decided {
+    let sampled: u64 = counts.iter().skip(1).sum();
+    let share = |count: u64| count as f64 / sampled as f64;
+    (sampled > 0).then(|| Decided {
         lit_by_depth: share(lit_by_depth),
         lit_by_plane: share(lit_by_plane),
         shadowed_by_depth: share(shadowed_by_depth),

@@ -4,7 +4,9 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Vec3;
 use umbrage_compose::{Composer, Key, Library, Over, Pass, Permutation, Purpose};
-use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{
+    Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, Shadow, What,
+};
 use umbrage_shadow::{LightKind, Registry, Support};
 
 use super::{Config, StudyError};
@@ -26,7 +28,7 @@ pub struct Lab {
 pub(super) struct Subject<'a> {
     pub(super) scene: &'a Scene,
     pub(super) truth: &'a Truth,
-    /// What the rasteriser saw in each pixel: an object and a triangle.
+    /// Object and triangle that the rasteriser drew in each pixel.
     pub(super) raster: Vec<Option<(u32, u32)>>,
 }
 
@@ -34,7 +36,7 @@ pub(super) struct Subject<'a> {
 pub(super) struct Unshadowed {
     /// In no light but the ambient.
     ambient: Vec<[f32; 3]>,
-    /// What each light adds.
+    /// Radiance that each light adds.
     lights: Vec<Vec<[f32; 3]>>,
 }
 
@@ -72,7 +74,7 @@ impl Lab {
         scene: &Scene,
         config: &Config,
     ) -> Result<(Vec<usize>, Option<String>), StudyError> {
-        let method = self.registry.methods.get(&config.method)?;
+        let method = self.registry.methods.get(&config.shadow.method)?;
         let (mut lights, mut refusal) = (Vec::new(), None);
         let casting = scene.lights.iter().enumerate();
         let mut casting = casting
@@ -98,7 +100,7 @@ impl Lab {
 
     /// Why the shader library excludes what is chosen for a method under a kind of light, where they do.
     fn excluded(&self, kind: &LightKind, config: &Config) -> Option<String> {
-        if config.axes.is_empty() {
+        if config.shadow.axes.is_empty() {
             return None;
         }
         let key = self.key("shadow_term", kind, config);
@@ -112,17 +114,16 @@ impl Lab {
         kind: &LightKind,
         config: &Config,
     ) -> Result<Key, umbrage_compose::Error> {
-        let kind = match kind {
-            LightKind::Directional { .. } => "directional",
-            LightKind::Spot { .. } => "spot",
-            LightKind::Point { .. } => "point",
-        };
         let own = [
             ("pass", pass),
-            ("light", kind),
-            ("method", config.method.as_str()),
+            ("light", kind.name()),
+            ("method", config.shadow.method.as_str()),
         ];
-        let chosen = config.axes.iter().map(|(a, v)| (a.as_str(), v.as_str()));
+        let chosen = config
+            .shadow
+            .axes
+            .iter()
+            .map(|(a, v)| (a.as_str(), v.as_str()));
         self.library().key(own.into_iter().chain(chosen))
     }
 
@@ -236,7 +237,8 @@ impl Lab {
         };
         let used = rendered.report.permutations.iter();
         let lit = used.filter(|used| self.library().axes().pass(&used.key).is_some_and(lights));
-        lit.map(|used| Ok(self.compose(&used.key)?)).collect()
+        lit.map(|used| Ok(self.composer.compose_all(&used.keys())?.permutation))
+            .collect()
     }
 
     pub(super) fn compose(&self, key: &Key) -> Result<Arc<Permutation>, umbrage_compose::Error> {
@@ -336,7 +338,7 @@ impl Subject<'_> {
         truth
     }
 
-    /// What a report shows of a rendering: of several lights the product of their terms.
+    /// Pictures that a report shows of a rendering: of several lights the product of their terms.
     pub(super) fn pictures(
         &self,
         rendered: &Rendered,
@@ -393,7 +395,7 @@ fn plain(truth: &Truth) -> RenderOptions {
     RenderOptions {
         width: truth.sight.width(),
         height: truth.sight.height(),
-        method: Some("none".to_owned()),
+        shadow: Shadow::new("none"),
         ..RenderOptions::default()
     }
 }

@@ -1,9 +1,7 @@
 //! Measures methods: scenes against configurations, and hard cases against limits.
 
 mod compare;
-mod config;
 mod decisions;
-mod error;
 mod lab;
 mod motion;
 mod stress;
@@ -11,17 +9,17 @@ mod stress;
 mod tests;
 mod timing;
 
+pub use crate::{config::Config, error::StudyError};
+
 pub use self::{
     compare::{CompareOptions, Comparison, compare},
-    config::Config,
-    error::StudyError,
     lab::Lab,
     stress::{CaseResult, Stressed, stress},
 };
 
 /// How far a long work has come, for a progress bar.
 pub trait Progress: Sync {
-    /// What is done next, in so many steps.
+    /// Announces what is done next, in so many steps.
     fn begin(&self, what: &str, steps: usize);
     /// A step is done; called from any thread.
     fn step(&self);

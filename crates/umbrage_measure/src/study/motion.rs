@@ -92,7 +92,7 @@ impl Moving {
         Self(frames.collect())
     }
 
-    /// What the rasteriser sees in each picture.
+    /// The pictures, with the triangles that the rasteriser draws in each.
     pub(super) fn subjects(&self, lab: &mut Lab) -> Result<Vec<Subject<'_>>, RenderError> {
         let frames = self.0.iter();
         frames

@@ -35,12 +35,12 @@ pub struct CaseResult {
     /// Share of the samples that are on another side of ½ than in the case that this one must look the same
     /// as; none where there is no such case.
     pub differs: Option<f64>,
-    /// What the first picture looks like.
+    /// Pictures of the first rendering.
     #[serde(skip)]
     pub pictures: Pictures,
 }
 
-/// What came of trying variants in hard cases.
+/// Outcome of trying variants in hard cases.
 #[derive(Clone, Debug, Default)]
 pub struct Stressed {
     /// One result for each case and each variant that can be tried in it.
@@ -88,7 +88,7 @@ struct Run<'a> {
     limits: &'a Limits,
     store: Option<&'a TruthStore>,
     progress: &'a dyn Progress,
-    /// What was drawn of the cases that others must look like, by case and variant.
+    /// Renderings of the cases that others must look like, by case and variant.
     twins: BTreeMap<(&'static str, &'a str), Vec<Rendered>>,
     stressed: Stressed,
 }
@@ -105,7 +105,7 @@ impl<'a> Run<'a> {
             self.stressed.warnings.extend(warnings);
             Ok(truth)
         })?;
-        // What methods that shadow the same lights are held against is found once.
+        // Truth that methods which shadow the same lights are held against is found once.
         let mut tries = BTreeMap::<_, Vec<_>>::new();
         for variant in variants {
             let fit = match self.limits.passes_over(case.name, &variant.name) {
@@ -193,7 +193,7 @@ struct Try<'a> {
 }
 
 impl<'a> Try<'a> {
-    /// What to try, and in which of the case's lights, by their places; or why it is not tried.
+    /// Variant to try, and in which of the case's lights, by their places; or why it is not tried.
     fn new(
         lab: &Lab,
         case: &Case,
@@ -203,8 +203,7 @@ impl<'a> Try<'a> {
         if let Some(reason) = refusal.filter(|_| lights.is_empty()) {
             return Ok(Err(reason));
         }
-        let shadow = variant.shadow();
-        let choice = shadow.choice(lab.registry(), lab.library())?;
+        let choice = variant.shadow.choice(lab.registry(), lab.library())?;
         let options = case.options(variant, &choice);
         Ok(options.map(|options| (lights, Self { variant, options })))
     }
@@ -223,7 +222,7 @@ impl<'a> Try<'a> {
         drawn.collect()
     }
 
-    /// What was drawn of a case (one picture for each subject) against its limits.
+    /// Holds renderings of a case (one picture for each subject) against its limits.
     fn judge(
         &self,
         case: &Case,
@@ -246,7 +245,7 @@ impl<'a> Try<'a> {
         Ok(CaseResult {
             case: case.name,
             variant: name.clone(),
-            method: self.variant.method.clone(),
+            method: self.variant.shadow.method.clone(),
             verdict: verdict.ok_or_else(no_limits)?,
             figures,
             differs,

@@ -1,9 +1,9 @@
-//! What the study puts together itself, against what it must come to.
+//! Figures that the study puts together itself, against what they must come to.
 
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 use umbrage_compose::{Composer, Library, RonFile, Target};
-use umbrage_render::{Decision, Gpu, Picture, RenderOptions, Scene, What};
+use umbrage_render::{Decision, Gpu, Picture, RenderOptions, Scene, Shadow, What};
 use umbrage_shadow::{Frame, Light, Part, PlanError, ShadowMethod, ShadowPlan, Support};
 
 use super::{
@@ -45,7 +45,7 @@ fn lights_and_shadow_terms_add_up_to_the_shaded_picture() {
         let options = RenderOptions {
             width: SIZE.0,
             height: SIZE.1,
-            method: Some("basic".to_owned()),
+            shadow: Shadow::new("basic"),
             ..RenderOptions::default()
         };
         let subject = lab.subject(&scene, &truth).expect("drawn");
@@ -102,11 +102,7 @@ fn what_is_standard_is_known_and_holds_the_baseline() {
     let standard = Config::standard(&["basic".to_owned()], lab.registry(), lab.library());
     let standard = standard.expect("sound");
     assert!(standard.len() > 5 && standard.iter().all(|config| configs.contains(config)));
-    let plainest = BTreeMap::from([("pcf".to_owned(), "1".to_owned())]);
-    assert_eq!(
-        (baseline().method.as_str(), baseline().axes),
-        ("basic", plainest)
-    );
+    assert_eq!(baseline().shadow, Shadow::new("basic").with("pcf", "1"));
     assert!(Config::standard(&["none".to_owned()], lab.registry(), lab.library()).is_err());
 }
 
@@ -142,7 +138,7 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
     let limits = Limits::built_in().expect("a sound table");
     let variants = |limits: &Limits, methods: &[&str]| {
         let methods: Vec<_> = methods.iter().map(|name| (*name).to_owned()).collect();
-        let variants = Config::variants(limits, &methods, &registry, lab.library());
+        let variants = limits.variants_of(&methods, &registry, lab.library());
         variants.map_err(|error| error.to_string())
     };
     let names = |methods: &[&str]| {
@@ -166,8 +162,8 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
         variants(&limits, &["ours"]).expect("sound variants"),
         [Config {
             name: "ours".to_owned(),
-            method: "ours".to_owned(),
-            ..Config::default()
+            shadow: Shadow::new("ours"),
+            path: umbrage_render::Path::default(),
         }]
     );
     // Else it would have the other's exceptions.
@@ -212,16 +208,15 @@ fn a_method_without_a_variant_is_tried_as_it_is() {
     }
 }
 
-/// What makes a case is the case's; a variant that chooses otherwise is passed over, and says so.
+/// A case's own axes and settings are the case's; a variant that chooses otherwise is passed over, and says so.
 #[test]
 fn a_variant_is_tried_where_it_can_be_itself() {
     let mut lab = lab();
     let limits = Limits::built_in().expect("a sound table");
     let variant = |name: &str, method: &str, pcf: &str| Config {
         name: name.to_owned(),
-        method: method.to_owned(),
-        axes: BTreeMap::from([("pcf".to_owned(), pcf.to_owned())]),
-        ..Config::default()
+        shadow: Shadow::new(method).with("pcf", pcf),
+        path: umbrage_render::Path::default(),
     };
     let variants = [
         variant("three", "basic", "3"),
@@ -262,7 +257,7 @@ fn a_variant_is_tried_where_it_can_be_itself() {
     );
 }
 
-/// What no shader of a configuration can tell at once is not asked; what it can, is told as the picture has it.
+/// Decisions that no shader of a configuration can tell at once are not asked for; others are told as the picture has them.
 #[test]
 fn decisions_are_looked_for_where_filters_can_be_spared() {
     let mut lab = lab();
@@ -272,10 +267,11 @@ fn decisions_are_looked_for_where_filters_can_be_spared() {
     let axis = lab.library().axes().get("filter").expect("an axis");
     let filters: Vec<_> = axis.values().map(str::to_owned).collect();
     let config = |filter: &str| Config {
-        method: "basic".to_owned(),
-        axes: [("filter", filter), ("pcf", "7"), ("block", "8")]
-            .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-            .into(),
+        shadow: [("filter", filter), ("pcf", "7"), ("block", "8")]
+            .into_iter()
+            .fold(Shadow::new("basic"), |shadow, (axis, value)| {
+                shadow.with(axis, value)
+            }),
         ..Config::default()
     };
     let mut able = 0;

@@ -2,7 +2,7 @@
 //! does falls on all of them alike.
 
 use umbrage_compose::Purpose;
-use umbrage_render::{PassTime, RenderError, Rendered};
+use umbrage_render::{PassTime, Path, RenderError, Rendered, Shadow};
 
 use super::{Config, Lab, Progress, lab::Subject};
 use crate::report::Spread;
@@ -11,13 +11,12 @@ use crate::report::Spread;
 pub(super) fn baseline() -> Config {
     Config {
         name: "1 tap".to_owned(),
-        method: "basic".to_owned(),
-        axes: [("pcf".to_owned(), "1".to_owned())].into(),
-        ..Config::default()
+        shadow: Shadow::new("basic").with("pcf", "1"),
+        path: Path::default(),
     }
 }
 
-/// What the rounds of one configuration took, milliseconds.
+/// Times of one configuration's rounds, milliseconds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
     /// The passes that make shadow maps and what is computed from them, and the passes that shade; empty where the adapter has no timestamps.

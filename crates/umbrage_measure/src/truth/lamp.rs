@@ -1,4 +1,4 @@
-//! What of a light is asked for from a point.
+//! A light as a point sees it.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -40,7 +40,7 @@ pub struct Tracer {
     camera: umbrage_render::Camera,
 }
 
-/// What each pixel of a picture sees.
+/// Points that the pixels of a picture see.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sight {
     width: u32,
@@ -48,7 +48,7 @@ pub struct Sight {
     seen: Vec<Option<Seen>>,
 }
 
-/// What a pixel sees.
+/// A point that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Seen {
     /// The object, by its place in [`Scene::objects`].
@@ -85,7 +85,7 @@ impl Sight {
         self.height
     }
 
-    /// What each pixel sees, by rows from the top.
+    /// Points that the pixels see, by rows from the top.
     pub fn seen(&self) -> &[Option<Seen>] {
         &self.seen
     }
@@ -244,7 +244,7 @@ impl Tracer {
         Ok(Lamp::new(&light.kind, self.camera.position))
     }
 
-    /// What is found for each pixel that sees something, given its number; row by row.
+    /// Finds a value for each pixel that sees something, given its number; row by row.
     fn each<T: Copy + Send>(
         &self,
         sight: &Sight,
@@ -270,7 +270,7 @@ impl Tracer {
         Ok(found)
     }
 
-    /// What is seen at a place in the picture: from −1 to 1, right and down.
+    /// Point seen at a place in the picture: from −1 to 1, right and down.
     fn see(&self, view: &View, across: f64, down: f64) -> Option<Seen> {
         let Projection { near, far, .. } = view.projection;
         let aside = 0.5 * view.projection.size_at(1.0) * DVec2::new(across, -down);
@@ -309,7 +309,7 @@ impl Tracer {
         let is_lit = |aim| !self.triangles.is_blocked(&ray(aim), own);
         let Source::Round { size, strata } = source else {
             let aim = lamp.middle(seen.position);
-            // What the light runs along gets none of it, and whether it meets the next edge is chance.
+            // A triangle that the light runs along gets none of it, and whether it meets the next edge is chance.
             return (!self.triangles.runs_along(own, aim.direction))
                 .then(|| f32::from(u8::from(is_lit(aim))));
         };

@@ -1,4 +1,4 @@
-//! What of a surface is there.
+//! Opacity of a surface: whether a point of it is there.
 
 use glam::DVec2;
 use umbrage_render::{Level, Material, Texture, Wrap};

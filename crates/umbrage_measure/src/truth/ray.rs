@@ -35,7 +35,7 @@ pub(super) struct Meeting {
     pub(super) distance: f64,
     /// The corners' shares of the place; they add up to 1.
     pub(super) shares: [f64; 3],
-    /// What `distance` may be if in truth it is 0.
+    /// Greatest `distance` found where in truth it is 0.
     pub(super) rounding: f64,
 }
 

@@ -11,7 +11,7 @@ use super::{Sight, Source, Tracer, TruthError, content::content};
 /// All that is true of a scene's shadows in one picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
-    /// What each pixel sees.
+    /// Points that the pixels see.
     pub sight: Sight,
     /// For each light of the scene what [`Tracer::shadow`] finds.
     pub terms: Vec<Vec<Option<f32>>>,

@@ -36,7 +36,7 @@ pub(super) struct Triangles {
     tree: Bvh,
 }
 
-/// What belongs to one object.
+/// Triangles and vertices of one object.
 struct Part {
     first_triangle: u32,
     first_vertex: u32,

@@ -1,4 +1,4 @@
-//! What the tests draw with.
+//! Helpers that the tests draw with.
 
 use std::sync::Arc;
 

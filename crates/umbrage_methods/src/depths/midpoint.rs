@@ -1,6 +1,6 @@
 //! Midpoint shadow maps (Woo 1992, "The Shadow Depth Map Revisited"): a map holds a depth *inside* what casts, between
-//! the nearest face that is turned to the light and the nearest that is turned away. What is lit then has half
-//! of a body's thickness between itself and its own map, whatever the slope and the resolution; and so has what the body
+//! the nearest face that is turned to the light and the nearest back-facing one. A lit surface then has half of
+//! a body's thickness between itself and its own map, whatever the slope and the resolution; and so has what the body
 //! stands on, on the other side. Values of the axis `depth`, for any method with tiles and any filter. The shader half
 //! is `depths/midpoint.wesl`.
 //!
@@ -25,7 +25,8 @@
 //!   get is what receivers get with `nearest`: their shadows are the same.
 //!
 //! So the map holds the bias, and receivers are compared at their own depth, but for what a filter asks of any map: the
-//! depth compared follows the receiver's plane, and each fetch's leans a texel over it, as in [`crate::methods::basic`].
+//! depth compared follows the receiver's plane, and each fetch's is biased by a texel's slope besides, as in
+//! [`crate::methods::basic`].
 //!
 //! `bias` is the setting `depth_bias`, and what rounding may be. The other two follow from what a surface needs against
 //! its own map, in texels' widths:
@@ -35,10 +36,10 @@
 //! | `plane` | 1/16, and rounding | 1.5 |
 //! | `constant` | `bias` | 19 · (W + 1) / 2 |
 //!
-//! A plane that is followed needs only room for rounding: a fetch leans far enough to cover the rasteriser's grid as
-//! well (`slope.rs`). For the rest, facets steeper than the plane that is followed, the default `depth_bias` of 1.5 is
-//! enough (see [`crate::methods::basic`]). A deeper map would prevent no more acne, but let in light; so no caster is held
-//! deeper than `nearest` with its default would have it, and thinner casters are held less deep. Where no plane is
+//! A plane that is followed needs only room for rounding: a fetch's slope bias is large enough to cover the rasteriser's
+//! grid as well (`slope.rs`). For the rest, facets steeper than the plane that is followed, the default `depth_bias` of
+//! 1.5 is enough (see [`crate::methods::basic`]). A deeper map would prevent no more acne, but let in light; so no caster
+//! is held deeper than `nearest` with its default would have it, and thinner casters are held less deep. Where no plane is
 //! followed, only the middle prevents acne on a slope: up to 19 over the (W + 1) / 2 texels that the filter reaches.
 //!
 //! The middle is taken of depths. Of a directional light they are linear, and it is the middle. Of a spot light depth
@@ -58,10 +59,10 @@
 //! before a closed body is not harmless: the middle of its front and that body's back may lie behind that body's front, which
 //! would then be lit in the open mesh's shadow. `most` bounds it: with `plane`, by what the bias of `nearest` does there.
 //!
-//! What a receiver is raised by to follow its plane takes from the half thickness of a thin body, as it takes from
-//! the whole with `nearest`: steep receivers are as detached with the one as with the other. In the hard case `contact`
-//! (2 cm under texels of 8 mm) 0.19 % of the picture is falsely lit, with `nearest` 0.23 %; it would be 0.25 % with
-//! middles at any depth, and 0.28 % if they were no less than `bias` deep besides.
+//! Slope bias, by which a receiver follows its plane, takes from the half thickness of a thin body, as it takes from the
+//! whole with `nearest`: steep receivers show as much peter-panning with the one as with the other. In the hard case
+//! `contact` (2 cm under texels of 8 mm) 0.19 % of the picture is falsely lit, with `nearest` 0.23 %; it would be 0.25 %
+//! with middles at any depth, and 0.28 % if they were no less than `bias` deep besides.
 //!
 //! Under `constant`, a body shades itself where it ends in an edge on the side away from the light: there it is thin.
 //! A closed body that is inside out has its back before its front, and is biased as an open one. A hollow of a body
@@ -89,7 +90,7 @@ const LEAST: f64 = 1.0 / 16.0;
 /// The slope that a middle holds off where no plane is followed: the tangent of 87°.
 const STEEPEST: f64 = 19.0;
 
-/// What is enough there for all else: the default `depth_bias`.
+/// Depth that is enough there for all else: the default `depth_bias`.
 const MOST: f64 = 1.5;
 
 /// The depth sources `midpoint`, `midpoint_sampled` and `midpoint_two_passes`: where the middle is taken.
@@ -103,7 +104,7 @@ pub enum Midpoint {
     TwoPasses,
 }
 
-/// What a filter asks of a surface's distance to its own middle.
+/// Demands of a filter on a surface's distance to its own middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Demand {
     /// How far from its middle the filter reads, texels.
@@ -221,7 +222,7 @@ fn resolve(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     }));
 }
 
-/// What resolves while sampling.
+/// Plans maps that are resolved while they are sampled.
 fn sample(plan: &mut ShadowPlan, maps: &Maps, demand: Demand) {
     plan.samplers
         .push(SamplerDesc::new("faces_sampler", FilterMode::Nearest));

@@ -4,8 +4,8 @@
 //! # How it works
 //! Percentage-closer filtering is a mean of steps: of each texel's distance o from the light, whether it is at least
 //! the receiver's r. Where no texel is farther than the receiver, exp(k (o − r)) with a large k is nearly that step,
-//! and the mean of products is a product: E[exp(k o)] / exp(k r). What does not depend on the receiver can be
-//! filtered before it is known.
+//! and the mean of products is a product: E[exp(k o)] / exp(k r). Its numerator does not depend on the receiver
+//! and can be filtered before that is known.
 //!
 //! Two compute passes for all maps do that: `esm_across` turns a depth map, whatever it holds, into distances o from 0
 //! at the near end of the map's range to 1 at the far one, linear in metres for perspectives too, and takes the mean
@@ -25,7 +25,7 @@
 //! 4 of these bytes are a row's means, which a width of 1 does without. With `esm` the hardware filters floats of 32
 //! bits, which WebGPU's baseline does not ask of it (`float32-filterable`); the other two need nothing beyond the
 //! baseline. A compute shader cannot write half floats there: those of `esm_half` are computed in full ones, 4 bytes, and
-//! rounded by a full-screen pass for each map, `esm_round`. What it saves is the time of a pixel's fetch.
+//! rounded by a full-screen pass for each map, `esm_round`. It saves time in a pixel's fetch.
 //!
 //! The largest k keeps exp(±k/2) between a format's least normal and its largest number: ln 65504 = 11.09 and −ln
 //! 2⁻¹⁴ = 9.70 in half floats, 88.72 and 87.34 in full ones, where the sum of 15 numbers, each of them twice (see below), must fit (ln 30 = 3.40) and
@@ -39,7 +39,7 @@
 //!
 //! `depth_bias` and `receiver_bias` do nothing. They keep texels of a receiver from shading it, and of an exponential
 //! map none does that is a plane: the mean of its texels' distances is its own, and the exponential of a mean is at
-//! most the mean of exponentials (Jensen's inequality). A raise of b texels would multiply terms by
+//! most the mean of exponentials (Jensen's inequality). A bias of b texels would multiply terms by
 //! exp(4.6 b / (2 W + 2)), and a shadow's edge is lit where its share of a window is. Only what rounding may be is
 //! added to a receiver's depth; and `depth_bias` after all in maps narrower than 2 W + 6 texels, where a receiver's window is
 //! cut off by the map's edge and its mean is not its own.
@@ -96,13 +96,13 @@ use wgpu_types::{Features, FilterMode, TextureFormat};
 
 use super::Width;
 
-/// What is read: filtered.
+/// The filtered map, which is read.
 const FILTERED: &str = "esm_map";
 
-/// What is filtered along its rows alone.
+/// The map filtered along its rows alone.
 const ROWS: &str = "esm_rows";
 
-/// What is filtered, before it is rounded to half floats.
+/// The filtered map, before it is rounded to half floats.
 const MEANS: &str = "esm_means";
 
 /// Invocations along a workgroup's sides.
@@ -349,7 +349,7 @@ impl Job {
 mod tests {
     use super::*;
 
-    /// What the passes and the fetch make of the ends of the range, in each format's numbers; and that a fiftieth more would be too much.
+    /// The passes and the fetch hold the ends of the range in each format's numbers; a fiftieth more would be too much.
     #[test]
     fn the_largest_exponents_fit_their_formats() {
         let full = |exponent: f64| {

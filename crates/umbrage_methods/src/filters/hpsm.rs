@@ -14,7 +14,7 @@
 //! - `min_max`: the least and the greatest depth alone.
 //! - `hpsm_naive`: planes of the blocks themselves. The filter's footprint lies over several, and all are fetched.
 //! - `min_max_tree`: the least and the greatest depth of squares of texels, and of squares of those, and so on (Dmitriev and
-//!   Uralsky 2007, "Soft Shadows Using Hierarchical Min-Max Shadow Maps"): large ones are asked first, smaller ones where
+//!   Uralsky 2007, "Soft Shadows Using Hierarchical Min-Max Shadow Maps"): large ones are read first, smaller ones where
 //!   those leave it open.
 //!
 //! # Planes in texels
@@ -29,7 +29,7 @@
 //! are t + e, each coordinate of e within one texel. With the slopes s of the receiver and g of the slab, what the two
 //! differ by changes from tap to tap by no more than |s − g| · (W − 1) / 2 + |g|, slopes measured as |x| + |y|. So the
 //! receiver is lit if, at its own place, its depth is that much above the slab's near plane, and in shadow if it is that
-//! much below the far one. On its own surface (s = g) what is left is the bias: a tap's depth is raised by |s| already.
+//! much below the far one. On its own surface (s = g) what is left is the bias: a tap's depth is biased by |s| already.
 //! The rest is rounding: a 64th of a texel for places, 2⁻²¹ of the depths for a dozen operations in f32. An empty
 //! texel, 0, counts as infinitely far: it shades nothing, and no receiver is behind it.
 //!
@@ -55,9 +55,9 @@
 //! 16 bytes a block; each texel is read 1.3 to 4 times to build (W = 15: blocks of 8, 4, 2 texels 1.3, 1.8, 4), four by a
 //! gather. A receiver takes one fetch (`hpsm`, `min_max`), and ((W + 1) / 2)² more where it stays open.
 //!
-//! What is decided with W = 15, in percent of the receivers that ask a map, blocks of 4 (pixels of `umbrage render --size
-//! 640x360 --axis pcf=15 --axis filter=hpsm --what decisions`; `umbrage compare` has the same of the samples that it compares);
-//! beside it how many have a term that is neither 0 nor 1, which no bounds could decide:
+//! Receivers decided with W = 15, in percent of those that sample a map, blocks of 4 (pixels of `umbrage render --size
+//! 640x360 --axis pcf=15 --axis filter=hpsm --what decisions`; `umbrage compare` has the same of the samples that it
+//! compares); beside it how many have a term that is neither 0 nor 1, which no bounds could decide:
 //!
 //! | scene | method | partly lit | `hpsm` | `hpsm_naive` | `min_max` | `min_max_tree` |
 //! | --- | --- | ---: | ---: | ---: | ---: | ---: |
@@ -67,7 +67,7 @@
 //! | avenue | `pssm` | 31.0 | 51.8 | 54.0 | 1.9 | 2.5 |
 //! | avenue | `basic` | 62.9 | 21.0 | 23.3 | 0.2 | 0.8 |
 //!
-//! What it saves depends on the device. Fetches are what is the same on all: of 64 a receiver at W = 15, with blocks of 8,
+//! The time saved depends on the device. Fetches are the same on all: of 64 a receiver at W = 15, with blocks of 8,
 //! `hpsm` leaves 6.9 (suzanne_spot), 14.4 (bunny_sun), 21.8 (leaves), 34.1 (avenue, `pssm`); of 16 at W = 7 2.2, 3.7, 5.5, 8.2.
 //! On Mesa's llvmpipe, a CPU, the time of building and of the shadow terms of 1280 × 720 pixels, each found once, is 0.36,
 //! 0.53, 0.65 and 0.78 of `pcf`'s at W = 15, 0.59 of the sum; at W = 7 0.81, 1.42, 1.43 and 1.55. Where objects are drawn one
@@ -75,7 +75,7 @@
 //! neighbour as well, and those left open lie where triangles are small (`cargo bench --profile dev -p umbrage_bench --bench methods`). Of `pcf`'s
 //! 70 ms in bunny_sun, building takes 9, 10 are for all but the filter, and the rest for receivers left open, and for rows of
 //! the filter that no receiver takes: a branch there is a mask and no jump. At W = 7 `pcf` takes 20 ms, and
-//! building alone 12. What no bounds could spare, the partly lit, would by itself leave 0.06, 0.12, 0.28 and 0.32 of the fetches.
+//! building alone 12. The partly lit, which no bounds spare, would by themselves leave 0.06, 0.12, 0.28 and 0.32 of the fetches.
 //!
 //! The least and the greatest depth decide next to nothing: a receiver on a slope is between the two in its own block,
 //! whatever its bias.

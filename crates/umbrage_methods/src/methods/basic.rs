@@ -5,7 +5,7 @@
 //! Depth as seen from the light goes into a map: one rectangle for directional and spot lights, a
 //! cube for point lights. The map is fitted to the *receivers seen*: what of each receiver's box lies in
 //! the camera's frustum, and in the light's. A directional map spans their rectangle, as far as casters lie in the same
-//! part of the light's plane: beside all casters is no shadow, and the shader asks no map. A spot map is the
+//! part of the light's plane: beside all casters is no shadow, and the shader samples no map. A spot map is the
 //! receivers' rectangle cut out of the light's perspective; a cube's faces cannot be fitted. The near plane
 //! stands at the nearest caster that lies between the light and what the map holds, so that nothing is
 //! cut away that could cast (and no depth clamp is asked for); the far plane stands behind the farthest
@@ -22,9 +22,9 @@
 //!
 //! With `plane`, each fetch is compared with the plane's depth a texel nearer to the light on both axes, which no
 //! texel of the plane's own exceeds, nor do those that the rasteriser's grid displaces (1/256 texel on most
-//! devices). From 89.1° between the light and the normal on, where that is 64 texels' widths, the map is asked a
+//! devices). From 89.1° between the light and the normal on, where that is 64 texels' widths, the map is sampled a
 //! step aside instead, so that no plane shades itself up to the horizon: [`super`] has the derivation, and what
-//! else was tried. What `depth_bias` has to cover is that a curved receiver is no plane: a facet that rises from
+//! else was tried. `depth_bias` has to cover that a curved receiver is no plane: a facet that rises from
 //! the receiver's by the slope s lies s · W / 2 texels nearer to the light at the filter's edge. The default of 1.5
 //! takes in s = 0.6 (31°) at W = 5, and is little against that filter's width. Exponential maps ([`crate::filters::esm`]) take no bias.
 //!

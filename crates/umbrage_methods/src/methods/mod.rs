@@ -3,13 +3,13 @@
 //! # Receivers' planes, however flat the light comes in
 //! `common/slope.wesl` follows a receiver's plane in a map.
 //!
-//! A filter asks a map about places beside the receiver, where the receiver's own plane is nearer to the light or
-//! farther: by s texels' widths a texel, the tangent of the angle between light and normal. What is compared
-//! follows the plane. The four texels of one fetch are compared with one depth, though, each within a texel of its
-//! tap; so what is compared leans towards the light by |s|₁, the sum over both axes, which none of the plane's own
-//! texels exceeds.
+//! A filter samples a map beside the receiver, where the receiver's own plane is nearer to the light or farther: by s
+//! texels' widths a texel, the tangent of the angle between light and normal. The depth compared follows the plane
+//! (receiver-plane bias). The four texels of one fetch are compared with one depth, though, each within a texel of its
+//! tap; so that depth is biased towards the light by |s|₁, the sum over both axes, which none of the plane's own texels
+//! exceeds (`slope_bias`).
 //!
-//! A depth that leans misses casters nearer to the receiver than |s|₁ texels along the ray: a texel or so off the
+//! A depth so biased misses casters nearer to the receiver than |s|₁ texels along the ray: a texel or so off the
 //! plane, but without bound at the horizon. So from `STEEPEST` on only a share c of the slope is followed, and the
 //! map is read elsewhere, a step of
 //!
@@ -41,7 +41,7 @@
 //! | `grazing-89`, basic 15 | 33.23 / 0.25 | 0.02 / 9.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.08 / 4.01 | 0.07 / 4.01 | 0.07 / 4.01 |
 //!
 //! Of the light that reaches the wall 5 cm behind the lamp, all this is little: 0.95 % were falsely dark, 0.01 %
-//! are. What is left in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
+//! are. The rest in `grazing-89` at W = 15 are shadows of 4 texels under a filter of 15.
 
 pub mod basic;
 pub mod pssm;

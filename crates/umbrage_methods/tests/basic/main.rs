@@ -271,9 +271,9 @@ proptest! {
         let Some(point) = seen(&scene, &[DVec3::ZERO]).first().copied() else { return Ok(()) };
         let at = casters(&none).iter().find_map(|pass| Some((pass.clone(), draws(pass, point)?)));
         let Some((pass, at)) = at else { return Err(TestCaseError::fail("beside the map")) };
-        let raised = |plan: &ShadowPlan| at.z + pair(plan, "bias").x + pair(plan, "bias").y * at.z;
+        let biased = |plan: &ShadowPlan| at.z + pair(plan, "bias").x + pair(plan, "bias").y * at.z;
         let place = |z: f64| pass.view_proj.as_dmat4().inverse().project_point3(at.with_z(z));
-        let (from, to) = (place(raised(&none)), place(raised(&some)));
+        let (from, to) = (place(biased(&none)), place(biased(&some)));
         // A texel's width at the receiver, the larger of across and down.
         let unproject = |xy: DVec2| {
             pass.view_proj.as_dmat4().inverse().project_point3((at.truncate() + xy).extend(at.z))

@@ -1,4 +1,4 @@
-//! What the shader makes of a plan, by its twin.
+//! The shader's terms with a plan, by its twin.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -49,7 +49,7 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
         min: middle - half,
         max: middle + half,
     }];
-    // What shades the plane may stand above the box.
+    // Casters of the plane may stand above the box.
     scene.casters = vec![Aabb {
         min: middle - half,
         max: middle + DVec3::new(1.0, 3.0, 1.0),
@@ -79,7 +79,7 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
             let (near, far) = (at(1.0), at(0.0));
             let to_plane = |p: DVec3| normal.dot(p - middle) - height;
             let t = to_plane(near) / (to_plane(near) - to_plane(far));
-            // What lies before the near plane or behind the far one is not drawn.
+            // Hits before the near plane or behind the far one are not drawn.
             let hit = near + t * (far - near);
             let z = pass.project_point3(hit).z;
             if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&z) {
@@ -105,17 +105,17 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
                 (*position - point).normalize()
             }
         };
-        let turned_away = normal.dot(to_light) <= 0.0;
+        let back_facing = normal.dot(to_light) <= 0.0;
         let facing = normal.dot(to_light).abs();
         let slope = (1.0 - facing * facing).sqrt() / facing;
-        if !turned_away {
+        if !back_facing {
             let lit = twin.calc_shadow(point, normal, depth(0.0));
             assert!(lit > 0.999, "{kind:?} {tilt} {width} at {point}: {lit}");
         }
         // A fetch lies at most a slope's texel above the plane on each axis, and the plane's texels as
         // much below it; the part of the slope that is not followed differs over the whole filter, so the map is read a
-        // step aside. A plane that is turned away is followed nowhere.
-        let left = if turned_away {
+        // step aside. A back-facing plane is followed nowhere.
+        let left = if back_facing {
             1.0
         } else {
             (1.0 - STEEPEST / slope).max(0.0)

@@ -188,7 +188,7 @@ fn a_width_of_one_is_not_blurred() {
     }
 }
 
-/// What only some devices can do is asked for by one value alone, which names the others.
+/// One value alone asks for a feature that only some devices have, and names the others.
 #[test]
 fn needs_name_what_to_choose_without_them() {
     for (filter, fetches) in [("esm", 1), ("esm_half", 1), ("esm_log", 4)] {

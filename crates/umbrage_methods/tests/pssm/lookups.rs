@@ -1,4 +1,4 @@
-//! What each lookup's shader reads, computed as it does: all find one place in a split's map, the one that the
+//! Inputs of each lookup's shader, computed as it does: all find one place in a split's map, the one that the
 //! split's pass draws to.
 
 use glam::{DVec2, DVec3, Mat4, Vec4};

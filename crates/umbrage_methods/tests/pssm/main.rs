@@ -194,7 +194,7 @@ fn a_stable_map_holds_no_more_than_there_is() {
     assert!(found[3] > size.max_element() / 1024.0);
     // Where the ball is less, it is chosen still.
     assert!(found[0] < 0.5 * found[3]);
-    // What moves about in the hall changes no texel's size, nor do rounding errors.
+    // Objects that move about in the hall change no texel's size, nor do rounding errors.
     let ball = post(DVec3::new(1.0, 1.0, -4.0), 1.0);
     scene.casters.push(ball);
     for step in 0..20 {
@@ -369,7 +369,7 @@ fn splits_lie_where_pixels_see_something() {
             depths.last().map_or(0.0, |d| d[1]),
         )
     };
-    // What is not asked for is not heeded.
+    // Depths that were not asked for are not heeded.
     let boxes = range(&scene);
     scene.camera_depth = Some([640, 65]);
     scene.answer([5.0, 20.0]);

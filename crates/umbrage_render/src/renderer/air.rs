@@ -2,13 +2,13 @@
 
 use glam::{DVec2, DVec3, Vec3};
 use umbrage_shadow::{Aabb, Constants, LightKind, Value, View};
-use umbrage_wgpu::{ColorState, DrawState, unfiltered};
+use umbrage_wgpu::{ColorState, DrawState};
 
 use super::{
     RenderOptions, Renderer, Shot,
     assets::Vertices,
     camera::Lamp,
-    draw::{FrameState, LightInputs, PassInputs, Term, record},
+    draw::{FrameState, LightInputs, PassInputs, Term, record, unfiltered},
     lights::LightSetup,
     passes::NamedPass,
     target::Target,
@@ -28,7 +28,7 @@ pub(super) struct LitAir {
     pub(super) shaded: Option<Aabb>,
 }
 
-/// What of the air `light` reaches; none where nothing of it would be seen.
+/// Part of the air that `light` reaches; none where nothing of it would be seen.
 pub(super) fn lit(shot: &Shot<'_>, light: &LightSetup<'_>) -> Option<LitAir> {
     shot.scene.medium.filter(|air| air.scattering > 0.0)?;
     let corners = shot.view.frustum_relative().corners();
@@ -83,7 +83,7 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
         target: &Target,
-        lamps: &[Lamp<'_>],
+        lamps: &[&Lamp<'_>],
     ) -> Result<(), RenderError> {
         let extinction = shot.scene.medium.map_or(0.0, |air| air.extinction());
         if extinction > 0.0 {
@@ -120,13 +120,12 @@ impl Renderer {
             term: Term::Air,
             ..lamp.reads()
         });
-        let shadow = light.and_then(|light| light.shadow);
+        let lights: Vec<_> = light.into_iter().collect();
         let inputs = PassInputs {
             pass,
             cause: light.map(|light| light.setup.source.name.as_str()),
             view_proj: shot.view_proj,
             ambient: Vec3::ZERO,
-            light,
             vertices: Vertices::Shared,
             state: DrawState {
                 colors: vec![ColorState {
@@ -134,9 +133,10 @@ impl Renderer {
                     blend: pass.blend,
                     channels: wgpu::ColorWrites::ALL,
                 }],
-                unfiltered: unfiltered(shadow),
+                unfiltered: unfiltered(&lights),
                 ..DrawState::NOTHING
             },
+            lights,
         };
         frame.seen_depth = Some(target.depth.clone());
         let command = self.prepare_screen(frame, &inputs, AIR)?;

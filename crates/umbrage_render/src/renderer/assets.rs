@@ -49,7 +49,7 @@ pub(super) enum Vertices {
     Own,
 }
 
-/// What is on the device, by the address of what it was made from. The weak reference keeps the
+/// Resources on the device, by the address of what each was made from. The weak reference keeps the
 /// address from being given to another, and the source from being changed in place.
 #[derive(Default)]
 pub(super) struct Assets {

@@ -57,18 +57,13 @@ impl Renderer {
         }
     }
 
-    fn uniform(
+    fn block(
         &self,
         key: &Key,
         binding: &Binding,
         constants: &Constants,
     ) -> Result<Resource, RenderError> {
-        Ok(Resource::uniform(
-            self.gpu.parts(),
-            key,
-            binding,
-            constants,
-        )?)
+        Ok(Resource::block(self.gpu.parts(), key, binding, constants)?)
     }
 
     /// The buffer of a light's shadow method, made once for each layout that is read.
@@ -99,13 +94,13 @@ impl Renderer {
         match (binding.name.as_str(), &binding.kind) {
             ("frame", _) => {
                 let constants = Constants::new().with("view_proj", inputs.view_proj);
-                self.uniform(key, binding, &constants)
+                self.block(key, binding, &constants)
             }
             ("ambient", _) => {
                 let constants = Constants::new().with("radiance", inputs.ambient);
-                self.uniform(key, binding, &constants)
+                self.block(key, binding, &constants)
             }
-            ("rays", _) => self.uniform(key, binding, &frame.rays),
+            ("rays", _) => self.block(key, binding, &frame.rays),
             (SEEN_PLANES, BindingKind::Texture { .. }) => {
                 let nothing = "what passes before the masks give";
                 let planes = frame.planes.clone();
@@ -136,11 +131,11 @@ impl Renderer {
         binding: &Binding,
     ) -> Result<Resource, RenderError> {
         let own = "what its light and shadow method give";
-        let Some(light) = inputs.light else {
+        let Some(light) = inputs.lights.get(binding.instance) else {
             return Err(unknown(key, binding, "what a pass without a light gives"));
         };
         match (binding.name.as_str(), &binding.kind) {
-            ("light", BindingKind::Uniform(_)) => self.uniform(key, binding, light.constants),
+            ("light", kind) if kind.block().is_some() => self.block(key, binding, light.constants),
             ("cookie_texture", _) => {
                 let cookie = light.setup.source.cookie.clone();
                 let what = format!("the cookie of light `{}`", light.setup.source.name);
@@ -148,29 +143,12 @@ impl Renderer {
                 Ok(Resource::Texture(self.stock().image(&gpu, &what, cookie)?))
             }
             ("cookie_sampler", _) => Ok(Resource::Sampler(assets::sampler(&self.gpu, None))),
-            (name, kind) => {
+            (name, _) => {
                 let shadow = light.shadow.ok_or_else(|| unknown(key, binding, own))?;
-                let found = match kind {
-                    BindingKind::Uniform(_) => {
-                        return self.uniform(key, binding, &shadow.constants);
-                    }
-                    BindingKind::Storage { .. } => {
-                        if let Some(value) = shadow.buffers.get(name) {
-                            let light = light.setup.index;
-                            return self.storage(frame, light, key, binding, value);
-                        }
-                        let written = shadow.written.get(name);
-                        written.map(|buffer| Resource::Buffer(buffer.clone()))
-                    }
-                    BindingKind::Sampler { .. } => shadow
-                        .samplers
-                        .get(name)
-                        .map(|(_, s)| Resource::Sampler(s.clone())),
-                    _ => shadow
-                        .textures
-                        .get(name)
-                        .map(|(_, t)| Resource::Texture(t.clone())),
-                };
+                if let Some(value) = shadow.buffers.get(name) {
+                    return self.storage(frame, light.setup.index, key, binding, value);
+                }
+                let found = shadow.resource(self.gpu.parts(), key, binding)?;
                 found.ok_or_else(|| unknown(key, binding, own))
             }
         }
@@ -204,7 +182,7 @@ impl Stock<'_> {
                     .with("roughness", material.roughness)
                     .with("metallic", material.metallic)
                     .with("alpha_cutoff", material.alpha_cutoff.unwrap_or_default());
-                Ok(Resource::uniform(gpu.parts(), key, binding, &constants)?)
+                Ok(Resource::block(gpu.parts(), key, binding, &constants)?)
             }
             "base_color_texture" => {
                 let what = format!("the texture of object `{}`", object.name);

@@ -1,22 +1,22 @@
 //! The camera's passes: one function a kind of picture.
 
-use std::{collections::BTreeSet, time::Instant};
+use std::{collections::BTreeMap, time::Instant};
 
 use glam::Vec3;
 use umbrage_shadow::Constants;
-use umbrage_wgpu::{ColorState, DrawState, ShadowResources, unfiltered};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Renderer, Shot,
     air::{self, LitAir},
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, Term, record},
+    draw::{Command, FrameState, LightInputs, PassInputs, Term, record, unfiltered},
     lights::{self, LightSetup},
     passes::NamedPass,
     seen::PLANE,
     target::{DEPTH, Target},
 };
-use crate::{Decision, Picture, RenderError, What};
+use crate::{Decision, Path, Picture, RenderError, What};
 
 /// A light as it is in a picture, with its shadow maps.
 pub(super) struct Lamp<'a> {
@@ -55,34 +55,94 @@ impl Renderer {
         let base = self.pass("base")?;
         let base = PassInputs {
             ambient: shot.scene.ambient,
-            ..inputs(shot, base, None, camera_state(format, base, None))
+            ..inputs(shot, base, Vec::new(), camera_state(format, base, &[]))
         };
         let commands = self.prepare(frame, &base, &shot.visible)?;
         self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
         let illumination = self.pass("illumination")?;
-        let (mut masks, mut airy) = (None, Vec::new());
+        let (mut masks, mut lamps) = (None, Vec::new());
         for light in &shot.lights {
             let (lit, air) = (lit(frame, shot, light), air::lit(shot, light));
             if lit.is_empty() && air.is_none() {
                 continue;
             }
-            let to = (&target, false);
+            let (to, is_airy) = ((&target, false), air.is_some());
             let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
-            if !lit.is_empty() {
+            if !lit.is_empty() && frame.options.path != Path::ForwardAll {
                 let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
                 let reads = masked(lamp.reads(), mask.as_ref());
-                let state = camera_state(format, illumination, reads.shadow);
-                let inputs = inputs(shot, illumination, Some(reads), state);
+                let state = camera_state(format, illumination, &[reads]);
+                let inputs = inputs(shot, illumination, vec![reads], state);
                 let commands = self.prepare(frame, &inputs, &lit)?;
                 self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
             }
-            airy.extend(air.map(|_| lamp));
+            lamps.push((lamp, lit, is_airy));
         }
+        if frame.options.path == Path::ForwardAll {
+            let lit = lamps.iter().map(|(lamp, lit, _)| (lamp, lit.as_slice()));
+            self.add_all(frame, shot, &target, &lit.collect::<Vec<_>>())?;
+        }
+        let airy = lamps.iter().filter(|(.., is_airy)| *is_airy);
+        let airy: Vec<_> = airy.map(|(lamp, ..)| lamp).collect();
         self.add_air(frame, shot, &target, &airy)?;
         let bytes = self.finish(frame, &target)?;
         let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f32();
         let pixel = |b: &[u8]| [half(&b[0..2]), half(&b[2..4]), half(&b[4..6])];
         Ok(Picture::Shaded(bytes.chunks_exact(8).map(pixel).collect()))
+    }
+
+    /// Adds the light of all `lamps` in one pass; with each come the objects that it reaches.
+    fn add_all(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+        target: &Target,
+        lamps: &[(&Lamp<'_>, &[usize])],
+    ) -> Result<(), RenderError> {
+        let pass = self.pass("illumination")?;
+        let mut reached: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (number, (_, lit)) in lamps.iter().enumerate() {
+            for slot in *lit {
+                reached.entry(*slot).or_default().push(number);
+            }
+        }
+        let mut by_lamps: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
+        for (slot, numbers) in reached {
+            by_lamps.entry(numbers).or_default().push(slot);
+        }
+        let mut commands = Vec::new();
+        for (numbers, slots) in by_lamps {
+            let lights: Vec<_> = numbers.iter().map(|n| lamps[*n].0.reads()).collect();
+            let to = (pass, target.format());
+            commands.extend(self.prepare_lit(frame, shot, to, &lights, &slots)?);
+        }
+        if !commands.is_empty() {
+            self.draw(frame, target, (pass, None), None, &commands);
+        }
+        Ok(())
+    }
+
+    /// The commands that draw objects in `lights`: once, or, where that is more than a shader may read, by halves.
+    fn prepare_lit<'a>(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+        to: (NamedPass<'a>, wgpu::TextureFormat),
+        lights: &[LightInputs<'a>],
+        slots: &[usize],
+    ) -> Result<Vec<Command>, RenderError> {
+        let (pass, format) = to;
+        let state = camera_state(format, pass, lights);
+        let inputs = inputs(shot, pass, lights.to_vec(), state);
+        match self.prepare(frame, &inputs, slots) {
+            Err(error) if lights.len() > 1 && error.is_limit() => {
+                let (first, rest) = lights.split_at(lights.len() / 2);
+                let mut commands = self.prepare_lit(frame, shot, to, first, slots)?;
+                commands.extend(self.prepare_lit(frame, shot, to, rest, slots)?);
+                Ok(commands)
+            }
+            prepared => prepared,
+        }
     }
 
     pub(super) fn shadow_terms(
@@ -140,9 +200,9 @@ impl Renderer {
                 None
             };
             let reads = masked(reads, mask.as_ref());
-            let state = camera_state(format, pass, reads.shadow);
+            let state = camera_state(format, pass, &[reads]);
             let mut commands =
-                self.prepare(frame, &inputs(shot, pass, Some(reads), state), &lit)?;
+                self.prepare(frame, &inputs(shot, pass, vec![reads], state), &lit)?;
             // What the light does not reach hides what lies behind it, is shaded by nothing, and is drawn
             // for no light's sake.
             let unlit: Vec<_> = shot
@@ -151,8 +211,8 @@ impl Renderer {
                 .copied()
                 .filter(|s| lit.binary_search(s).is_err())
                 .collect();
-            let state = camera_state(format, pass, None);
-            commands.extend(self.prepare(frame, &inputs(shot, pass, None, state), &unlit)?);
+            let state = camera_state(format, pass, &[]);
+            commands.extend(self.prepare(frame, &inputs(shot, pass, Vec::new(), state), &unlit)?);
             let name = Some(light.source.name.as_str());
             self.draw(frame, &target, (pass, name), Some(clear), &commands);
             pictures.push(self.finish_floats(frame, &target)?);
@@ -170,7 +230,7 @@ impl Renderer {
         let target = self.target(frame, format)?;
         // What is seen, in no light: its depth is all that is read.
         let pass = self.pass("shadow_term")?;
-        let seen = inputs(shot, pass, None, camera_state(format, pass, None));
+        let seen = inputs(shot, pass, Vec::new(), camera_state(format, pass, &[]));
         let commands = self.prepare(frame, &seen, &shot.visible)?;
         self.draw(
             frame,
@@ -202,7 +262,7 @@ impl Renderer {
         let shaded = self.shaded(frame, shot)?;
         let target = self.target(frame, PLANE)?;
         let pass = self.pass("linear_depth")?;
-        let inputs = inputs(shot, pass, None, camera_state(PLANE, pass, None));
+        let inputs = inputs(shot, pass, Vec::new(), camera_state(PLANE, pass, &[]));
         let commands = self.prepare(frame, &inputs, &shot.visible)?;
         let nothing = Some(wgpu::Color::TRANSPARENT);
         self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
@@ -235,7 +295,7 @@ impl Renderer {
         let pass = self.pass("triangle")?;
         let inputs = PassInputs {
             vertices: Vertices::Own,
-            ..inputs(shot, pass, None, camera_state(format, pass, None))
+            ..inputs(shot, pass, Vec::new(), camera_state(format, pass, &[]))
         };
         let clear = wgpu::Color {
             r: NOTHING.into(),
@@ -337,19 +397,22 @@ impl Renderer {
     }
 }
 
-/// What the camera's pass draws with: for the light that it `reads`, if it does.
+/// What the camera's pass draws with: for the `lights` that it reads.
 fn inputs<'a>(
     shot: &Shot<'_>,
     pass: NamedPass<'a>,
-    reads: Option<LightInputs<'a>>,
+    lights: Vec<LightInputs<'a>>,
     state: DrawState,
 ) -> PassInputs<'a> {
     PassInputs {
         pass,
-        cause: reads.map(|reads| reads.setup.source.name.as_str()),
+        cause: match lights.as_slice() {
+            [light] => Some(light.setup.source.name.as_str()),
+            _ => None,
+        },
         view_proj: shot.view_proj,
         ambient: Vec3::ZERO,
-        light: reads,
+        lights,
         vertices: Vertices::Shared,
         state,
     }
@@ -381,7 +444,7 @@ fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<u
 fn camera_state(
     format: wgpu::TextureFormat,
     pass: NamedPass<'_>,
-    shadow: Option<&ShadowResources>,
+    lights: &[LightInputs<'_>],
 ) -> DrawState {
     DrawState {
         colors: vec![ColorState {
@@ -394,10 +457,6 @@ fn camera_state(
         write_depth: pass.writes_depth,
         cull: None,
         front: wgpu::FrontFace::Ccw,
-        unfiltered: if shadow.is_some() {
-            unfiltered(shadow)
-        } else {
-            BTreeSet::new()
-        },
+        unfiltered: unfiltered(lights),
     }
 }

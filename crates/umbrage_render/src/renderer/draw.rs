@@ -9,7 +9,9 @@ use std::{
 use glam::{Mat4, Vec3};
 use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose};
 use umbrage_shadow::Constants;
-use umbrage_wgpu::{DrawState, Pipeline, Resource, ShadowResources, reads_facing, vertices_read};
+use umbrage_wgpu::{
+    DrawState, Pipeline, Resource, ShadowResources, Unfiltered, reads_facing, vertices_read,
+};
 
 use super::{
     RenderOptions, Renderer,
@@ -42,8 +44,8 @@ pub(super) struct FrameState<'a> {
     pub(super) rays: Constants,
     /// Whether the camera's rays are parallel.
     pub(super) orthographic: bool,
-    /// By the full key, so that each is asked for once.
-    composed: BTreeMap<Key, Arc<Permutation>>,
+    /// By the full keys, so that each is asked for once.
+    composed: BTreeMap<Vec<Key>, Arc<Permutation>>,
     /// The array of instances, by the layout of its element.
     pub(super) instances: Vec<(Layout, wgpu::Buffer)>,
     /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
@@ -57,8 +59,8 @@ pub(super) struct PassInputs<'a> {
     pub(super) cause: Option<&'a str>,
     pub(super) view_proj: Mat4,
     pub(super) ambient: Vec3,
-    /// The light that the shader reads.
-    pub(super) light: Option<LightInputs<'a>>,
+    /// The lights that the shader reads, in this order.
+    pub(super) lights: Vec<LightInputs<'a>>,
     pub(super) vertices: Vertices,
     /// With `front` as it is for objects that are not mirrored.
     pub(super) state: DrawState,
@@ -132,20 +134,28 @@ impl FrameState<'_> {
         purpose: Purpose,
         (object, light): (&str, Option<&str>),
     ) {
-        let key = &composed.permutation.key;
+        let (key, others) = (&composed.permutation.key, &composed.permutation.others);
         let mut reported = self.report.permutations.iter();
-        if reported.any(|used| used.key == *key) {
+        if reported.any(|used| used.key == *key && used.others == *others) {
             return;
         }
         self.report.warnings.extend(composed.warnings.clone());
         self.report.permutations.push(PermutationUse {
             key: key.clone(),
+            others: others.clone(),
             purpose,
             source: composed.source,
             object: object.to_owned(),
             light: light.map(str::to_owned),
         });
     }
+}
+
+/// What of the lights' resources must not be filtered.
+pub(super) fn unfiltered(lights: &[LightInputs<'_>]) -> Unfiltered {
+    let none = ShadowResources::default();
+    let shadows: Vec<_> = lights.iter().map(|l| l.shadow.unwrap_or(&none)).collect();
+    umbrage_wgpu::unfiltered(&shadows)
 }
 
 /// Records `commands`.
@@ -259,18 +269,27 @@ impl Renderer {
         cause: &str,
         object: Option<&Object>,
     ) -> Result<Arc<Permutation>, RenderError> {
-        let light = inputs.light.map(|light| (light.setup, light.term));
         let library = self.composer.library();
         let view = (frame.options, frame.orthographic);
-        let key = lights::key(library, view, inputs.pass, light, object)?;
-        if let Some(known) = frame.composed.get(&key) {
+        let key = |light: Option<&LightInputs<'_>>| {
+            let light = light.map(|light| (light.setup, light.term));
+            lights::key(library, view, inputs.pass, light, object)
+        };
+        let keys = match inputs.lights.as_slice() {
+            [] => vec![key(None)?],
+            lights => lights
+                .iter()
+                .map(|light| key(Some(light)))
+                .collect::<Result<_, _>>()?,
+        };
+        if let Some(known) = frame.composed.get(&keys) {
             return Ok(Arc::clone(known));
         }
-        let composed = self.composer.compose(&key)?;
+        let composed = self.composer.compose_all(&keys)?;
         frame.note(&composed, inputs.pass.purpose, (cause, inputs.cause));
         frame
             .composed
-            .insert(key, Arc::clone(&composed.permutation));
+            .insert(keys, Arc::clone(&composed.permutation));
         Ok(composed.permutation)
     }
 

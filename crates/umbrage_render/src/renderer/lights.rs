@@ -1,12 +1,12 @@
-//! What a scene and the options ask of its lights, checked.
+//! Demands of a scene and the options on its lights, checked.
 
 use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec3, Mat4};
 use umbrage_compose::{Key, Library, Purpose};
 use umbrage_hints::ending;
-use umbrage_shadow::{Choice, Constants, Light, LightKind, Registry, Support, look_along};
-use umbrage_wgpu::{CheckedShadow, Shadow, check_value};
+use umbrage_shadow::{Constants, Light, LightKind, Registry, Support, look_along};
+use umbrage_wgpu::{CheckedShadow, check_value};
 
 use super::{RenderOptions, draw::Term, passes::NamedPass};
 use crate::{
@@ -49,10 +49,9 @@ pub(super) fn set_up<'a>(
     registry: &'a Registry,
     library: &Library,
 ) -> Result<Vec<LightSetup<'a>>, RenderError> {
-    for (axis, value) in &options.axes {
+    for (axis, value) in &options.shadow.axes {
         check_option(library, axis, value)?;
     }
-    let none = Shadow::default();
     let mut setups = Vec::new();
     for (index, source) in scene.lights.iter().enumerate() {
         source
@@ -62,22 +61,10 @@ pub(super) fn set_up<'a>(
                 what: format!("light `{}`", source.name),
                 source: fault,
             })?;
-        let chosen = match (&options.method, &source.shadow) {
-            (Some(method), _) if method == Shadow::NONE || !scene.casts_shadow(source) => None,
-            // What a scene chooses for one method means nothing to another.
-            (Some(method), shadow) => {
-                let shadow = shadow.as_ref().filter(|shadow| shadow.method == *method);
-                Some((method, shadow.unwrap_or(&none)))
-            }
-            (None, Some(shadow)) if shadow.method == Shadow::NONE => None,
-            (None, Some(shadow)) => Some((&shadow.method, shadow)),
-            (None, None) => None,
-        };
-        let method = match chosen {
-            Some((name, shadow)) => Some(set_up_method(
-                source, name, shadow, options, registry, library,
-            )?),
-            None => None,
+        let casts = options.shadow.method.is_empty() || scene.casts_shadow(source);
+        let method = match casts {
+            true => set_up_method(source, options, registry, library)?,
+            false => None,
         };
         setups.push(LightSetup {
             source,
@@ -91,49 +78,31 @@ pub(super) fn set_up<'a>(
 
 fn set_up_method<'a>(
     source: &SceneLight,
-    method: &str,
-    shadow: &Shadow,
     options: &RenderOptions,
     registry: &'a Registry,
     library: &Library,
-) -> Result<CheckedShadow<'a>, RenderError> {
+) -> Result<Option<CheckedShadow<'a>>, RenderError> {
     let light = source.name.clone();
-    let bad = |source| RenderError::Shadow {
+    let own = source.shadow.as_ref();
+    let checked = options.shadow.over(own, registry, library);
+    let checked = checked.map_err(|source| RenderError::Shadow {
         light: light.clone(),
         source,
+    })?;
+    let Some(checked) = checked else {
+        return Ok(None);
     };
-    let mut all = shadow.clone();
-    method.clone_into(&mut all.method);
-    // What the scene chooses holds by itself. Where the options choose another part, it may mean nothing any more.
-    all.check(registry, library).map_err(bad)?;
-    for axis in [Choice::DEPTH, Choice::FILTER] {
-        if let Some(value) = options.axes.get(axis) {
-            all.axes.insert(axis.to_owned(), value.clone());
-        }
-    }
-    let choice = all.choice(registry, library).map_err(bad)?;
-    let (axes, settings) = (choice.axes(), choice.settings());
-    let of_parts = |axis: &str| axes.contains(&axis);
-    all.axes.retain(|axis, _| of_parts(axis));
-    all.settings
-        .retain(|name, _| settings.iter().any(|setting| setting.name == name));
-    // Options may choose axes that are no part's, or another's.
-    let chosen = options.axes.iter().filter(|(axis, _)| of_parts(axis));
-    all.axes.extend(chosen.map(|(a, v)| (a.clone(), v.clone())));
-    let chosen = options.settings.iter();
-    all.settings.extend(chosen.map(|(n, v)| (n.clone(), *v)));
-    let checked = all.check(registry, library).map_err(bad)?;
     if let Support::No(reason) = checked.method().supports(&source.light) {
         return Err(RenderError::Unsupported {
             light,
-            method: method.to_owned(),
+            method: checked.method().name().to_owned(),
             reason,
         });
     }
     let choices = checked.choices(&source.light);
     let legal = library.key(choices.chain([("pass", TERM)]));
     legal.map_err(|source| RenderError::Excluded { light, source })?;
-    Ok(checked)
+    Ok(Some(checked))
 }
 
 /// The pass for which a shadow's values are checked to go together: the shadow term, and nothing beside it.
@@ -226,7 +195,7 @@ pub(super) fn object_axes(object: &Object) -> [(&str, &str); 4] {
 
 /// Choices of the options and the camera, for all objects and passes.
 pub(super) fn choices(options: &RenderOptions, orthographic: bool) -> Vec<(&str, &str)> {
-    let axes = options.axes.iter();
+    let axes = options.shadow.axes.iter();
     let axes = axes.map(|(axis, value)| (axis.as_str(), value.as_str()));
     let camera = orthographic.then_some(("camera", "orthographic"));
     axes.chain(camera).collect()

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 use umbrage_shadow::{Aabb, Constants, Value, View};
-use umbrage_wgpu::{ColorState, DrawState, ShadowResources, unfiltered};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
-    draw::{FrameState, LightInputs, PassInputs, record},
+    draw::{FrameState, LightInputs, PassInputs, record, unfiltered},
     passes::NamedPass,
     seen::{SEEN_PLANES, picture_size},
     target::{DEPTH, Target, begin},
@@ -22,7 +22,7 @@ const MASK: &str = "shadow_mask";
 /// A shadow term, in 4 bytes a pixel: what a method found, to the last bit, as the other path has it.
 pub(super) const TERM: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-/// What the mask path keeps for a picture. One mask serves all lights in turn.
+/// Textures that the mask path keeps for a picture. One mask serves all lights in turn.
 pub(super) struct Masks {
     pub(super) mask: wgpu::TextureView,
     /// Each pixel's region, once a light has some.
@@ -34,13 +34,13 @@ pub(super) struct Masks {
 pub(super) struct Masked<'a> {
     pub(super) shot: &'a Shot<'a>,
     pub(super) reads: LightInputs<'a>,
-    /// What may be seen of what it reaches.
+    /// Objects that may be seen, of those it reaches.
     pub(super) receivers: &'a [&'a Object],
 }
 
 /// A triangle around the picture, drawn in a pass of its own for a light's mask.
 pub(super) struct MaskPass<'a> {
-    /// What its time is called.
+    /// Name of the pass in the times.
     pub(super) name: &'a str,
     /// The colour texture, and what it is cleared to.
     pub(super) color: (&'a wgpu::TextureView, Option<wgpu::Color>),
@@ -81,7 +81,7 @@ impl Renderer {
         masks: &mut Option<Masks>,
         (reads, lit): (LightInputs<'_>, &[usize]),
     ) -> Result<Option<ShadowResources>, RenderError> {
-        if frame.options.path == Path::Forward || reads.shadow.is_none() {
+        if !frame.options.path.has_masks() || reads.shadow.is_none() {
             return Ok(None);
         }
         self.lay_planes(frame, shot, (target, fresh))?;
@@ -179,16 +179,17 @@ impl Renderer {
 }
 
 impl<'a> Masked<'a> {
-    /// What a pass over the picture draws with.
+    /// Inputs of a pass over the picture.
     pub(super) fn inputs(&self, pass: NamedPass<'a>, mut state: DrawState) -> PassInputs<'a> {
-        state.unfiltered = unfiltered(self.reads.shadow);
-        state.unfiltered.insert(SEEN_PLANES.to_owned());
+        let lights = vec![self.reads];
+        state.unfiltered = unfiltered(&lights);
+        state.unfiltered.insert((0, SEEN_PLANES.to_owned()));
         PassInputs {
             pass,
             cause: Some(&self.reads.setup.source.name),
             view_proj: self.shot.view_proj,
             ambient: Vec3::ZERO,
-            light: Some(self.reads),
+            lights,
             vertices: Vertices::Shared,
             state,
         }

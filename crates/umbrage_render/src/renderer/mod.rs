@@ -15,12 +15,12 @@ mod shadows;
 mod target;
 mod timer;
 
-use std::{collections::BTreeMap, fmt, sync::Arc, time::Instant};
+use std::{fmt, sync::Arc, time::Instant};
 
 use glam::Mat4;
 use umbrage_compose::Composer;
 use umbrage_shadow::{Aabb, PlanError, Registry, View};
-use umbrage_wgpu::Executor;
+use umbrage_wgpu::{Executor, Shadow};
 
 use self::{assets::Assets, draw::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
 use crate::{
@@ -50,14 +50,11 @@ pub struct RenderOptions {
     pub height: u32,
     /// What the picture shows.
     pub what: What,
-    /// A shadow method for all lights that [cast shadows](Scene::casts_shadow), in place of the scene's; `none` takes all
-    /// shadows away.
-    pub method: Option<String>,
-    /// Values for axes of the shader library, put in place of the scene's wherever a permutation has
-    /// the axis. An axis that is turned on without its texture reads white.
-    pub axes: BTreeMap<String, String>,
-    /// Values for settings of the lights' methods, put in place of the scene's.
-    pub settings: BTreeMap<String, f64>,
+    /// Choices put over those of the lights' own: a method for all lights that [cast shadows](Scene::casts_shadow)
+    /// ([`Shadow::NONE`] takes all shadows away, an empty one keeps the lights' own), and values of axes and settings. Here,
+    /// axes may be no part's as well, and then hold wherever a permutation has them; one that is turned on without its
+    /// texture reads white.
+    pub shadow: Shadow,
     /// How shadow terms come to where light is added.
     pub path: Path,
     /// How many steps are made along each pixel's ray through a scene's [medium](crate::Medium), for each light: 1 to
@@ -115,9 +112,12 @@ pub enum What {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
-    /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit.
+    /// Where an object is lit, by its own shader: `calc_shadow` for every fragment that is lit, in a pass for each light.
     #[default]
     Forward,
+    /// The same in one pass for all lights: an object is drawn once, by a shader that adds up the lights that reach it, as
+    /// many as the target's limits allow, then once more for those beyond.
+    ForwardAll,
     /// In a pass of its own over the picture, into a shadow mask that the object's shader reads: one
     /// permutation a light and method, whatever the surfaces; for
     /// [`mask_bytes`](crate::Report::mask_bytes) more memory, and one more pass over the objects.
@@ -130,12 +130,23 @@ pub enum Path {
 
 impl Path {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Forward, Self::Mask, Self::MaskBySplit];
+    pub const ALL: [Self; 4] = [
+        Self::Forward,
+        Self::ForwardAll,
+        Self::Mask,
+        Self::MaskBySplit,
+    ];
+
+    /// Whether shadow terms are found before light is added.
+    pub fn has_masks(self) -> bool {
+        matches!(self, Self::Mask | Self::MaskBySplit)
+    }
 
     /// As configurations and reports spell it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Forward => "forward",
+            Self::ForwardAll => "forward_all",
             Self::Mask => "mask",
             Self::MaskBySplit => "mask_by_split",
         }
@@ -154,9 +165,7 @@ impl Default for RenderOptions {
             width: 640,
             height: 480,
             what: What::Shaded,
-            method: None,
-            axes: BTreeMap::new(),
-            settings: BTreeMap::new(),
+            shadow: Shadow::default(),
             path: Path::Forward,
             shaft_steps: 64,
             fresh: false,

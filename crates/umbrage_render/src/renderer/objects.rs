@@ -18,7 +18,7 @@ struct Entry<'a> {
     object: &'a Object,
     /// Its place in the scene.
     index: usize,
-    /// What instances of one draw share: mesh, material, and whether the transform mirrors.
+    /// Key that the instances of one draw share: mesh, material, and whether the transform mirrors.
     batch: (usize, usize, bool),
     model: Mat4,
     normal: Mat4,

@@ -1,9 +1,9 @@
 //! The mask path by regions of view depth: a pass over the picture for each, with its own permutation.
 //!
-//! What the seed's depth-bounds test does (Salvi, "Fast percentage closer filtering on deferred cascaded shadow
-//! maps"), by what WebGPU has: one pass writes each pixel's region as a depth, and a triangle at exactly that depth,
-//! compared with *equal*, is shaded in its region alone, each pixel once. Beforehand rejected is what the depth test
-//! rejects: the permutations write no depth and discard nothing.
+//! A depth-bounds test (Salvi, "Fast percentage closer filtering on deferred cascaded shadow maps") with WebGPU's means: one
+//! pass writes each pixel's region as a depth, and a triangle at exactly that depth, compared with *equal*, is shaded in its
+//! region alone, each pixel once. The depth test rejects pixels before they are shaded: the permutations write no depth and
+//! discard nothing.
 
 use umbrage_shadow::{Constants, MAX_REGIONS, Region, Value};
 use umbrage_wgpu::{ColorState, DrawState, ShadowResources};

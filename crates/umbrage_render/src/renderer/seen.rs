@@ -81,7 +81,7 @@ fn inputs<'a>(shot: &Shot<'_>, pass: NamedPass<'a>, state: DrawState) -> PassInp
         cause: None,
         view_proj: shot.view_proj,
         ambient: Vec3::ZERO,
-        light: None,
+        lights: Vec::new(),
         vertices: Vertices::Shared,
         state,
     }

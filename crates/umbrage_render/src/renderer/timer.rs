@@ -22,11 +22,11 @@ pub(super) struct Timer {
     /// Nanoseconds a tick; none where no times are taken.
     period: Option<f32>,
     sets: Vec<wgpu::QuerySet>,
-    /// What was marked since the last times were read.
+    /// Passes marked since the last times were read.
     marked: Vec<Marked>,
 }
 
-/// What was marked.
+/// A marked pass.
 struct Marked {
     pass: String,
     light: Option<String>,

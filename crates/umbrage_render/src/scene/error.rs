@@ -33,9 +33,9 @@ pub enum SceneError {
         path: PathBuf,
         /// Where in it, such as `lights[1].range`.
         place: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
 }

@@ -130,7 +130,7 @@ struct MaterialFile {
     alpha_cutoff: Option<f32>,
 }
 
-/// What scene files share: where they are, and what they have already read.
+/// State that scene files share: where they are, and what they have already read.
 pub(super) struct Loader<'a> {
     path: &'a Path,
     /// The text at the path, for the places of faults.

@@ -1,4 +1,4 @@
-//! What the air is like.
+//! The air's properties.
 
 use serde::Deserialize;
 use umbrage_shadow::{PlanError, plain_number};

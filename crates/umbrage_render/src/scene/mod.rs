@@ -25,20 +25,20 @@ pub use self::{
     medium::Medium,
 };
 
-/// What is to be rendered. World space: metres, right-handed, y up.
+/// A scene to be rendered. World space: metres, right-handed, y up.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What there is to see, in the order of the file.
+    /// Objects to see, in the order of the file.
     pub objects: Vec<Object>,
-    /// What lights it.
+    /// Lights of the scene.
     pub lights: Vec<SceneLight>,
-    /// Who looks.
+    /// The camera.
     pub camera: Camera,
     /// Light from everywhere, as the radiance of a white surface in it; linear RGB.
     pub ambient: Vec3,
-    /// What is seen where there is nothing, linear RGB.
+    /// Colour seen where there is nothing, linear RGB.
     pub background: Vec3,
-    /// What the air is like; none for air that nothing is seen of.
+    /// Properties of the air; none for air that nothing is seen of.
     pub medium: Option<Medium>,
     /// Features of the models' files that are not shown, each once.
     pub left_out: Vec<LeftOut>,
@@ -47,7 +47,7 @@ pub struct Scene {
 /// A mesh in its place.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
     /// Its shape; objects that share it are drawn as instances.
     pub mesh: Arc<Mesh>,
@@ -98,13 +98,13 @@ pub struct Material {
 pub struct Texture {
     /// The picture.
     pub image: Arc<Image>,
-    /// What lies beside the picture, across and down.
+    /// How the picture goes on beside its edges, across and down.
     pub wrap: [Wrap; 2],
     /// Whether texels are blended rather than shown as squares.
     pub smooth: bool,
 }
 
-/// What lies beside a texture.
+/// How a texture goes on beside its edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture again.
@@ -118,11 +118,11 @@ pub enum Wrap {
 /// A light, what it is projected through, and how it casts shadows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLight {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
     /// The light.
     pub light: Light,
-    /// What a spot light shines through; its top is up where the light shines level.
+    /// Picture that a spot light shines through; its top is up where the light shines level.
     pub cookie: Option<Arc<Image>>,
     /// How it casts shadows; none casts none.
     pub shadow: Option<Shadow>,

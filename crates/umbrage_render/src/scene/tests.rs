@@ -577,7 +577,7 @@ fn faults_of_scene_files_have_their_place_and_a_remedy() {
         misspelt.ends_with("  = did you mean `casts`?\n"),
         "{misspelt}"
     );
-    // What is not written has its place where it would be.
+    // A missing entry has its place where it would be.
     let missing = told("target: (0, 1, 0)", "fov_degrees: 30");
     assert!(
         missing.contains("either a target or a rotation"),

@@ -54,7 +54,7 @@ pub(crate) struct Sight {
     pub(crate) end: f64,
 }
 
-/// What each pixel sees of a scene whose only surface is the ground.
+/// Sights of a scene whose only surface is the ground, one a pixel.
 pub(crate) fn sights(scene: &Scene) -> impl Iterator<Item = Sight> {
     let view = scene.view(SIZE.0, SIZE.1);
     (0..SIZE.0 * SIZE.1).map(move |pixel| {

@@ -1,4 +1,4 @@
-//! What the tests of whole pictures share.
+//! Helpers that the tests of whole pictures share.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub(crate) mod air;

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use umbrage_compose::{Composer, Library, Package, Target};
-use umbrage_render::{Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, What};
+use umbrage_render::{
+    Gpu, Picture, RenderError, RenderOptions, Rendered, Renderer, Scene, Shadow, What,
+};
 use umbrage_shadow::{
     Frame, Light, Part, PlanError, Setting, ShadowMethod, ShadowPlan, Support, TextureDesc,
 };
@@ -93,14 +95,14 @@ fn told(renderer: &mut Renderer, which: f64) -> Result<Rendered, RenderError> {
     let mut options = RenderOptions {
         width: 4,
         height: 4,
-        method: Some("probe".to_owned()),
+        shadow: Shadow::new("probe"),
         ..small(What::ShadowTerm)
     };
-    options.settings.insert("which".to_owned(), which);
+    options.shadow.settings.insert("which".to_owned(), which);
     renderer.render(&wall(), &options)
 }
 
-/// What the shader tells where its setting `which` is this: the same at every pixel.
+/// The shader's answer where its setting `which` is this: the same at every pixel.
 pub(crate) fn number(renderer: &mut Renderer, which: f64) -> f32 {
     let rendered = told(renderer, which).expect("renders");
     let Picture::ShadowTerm(lights) = &rendered.picture else {

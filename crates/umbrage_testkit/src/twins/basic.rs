@@ -66,7 +66,7 @@ impl BasicTwin {
             map,
             size,
             width,
-            // Exponential maps are asked about a point.
+            // Exponential maps are sampled for a point.
             receiver_plane: receiver_plane && esm.is_none(),
             bias: pair(constants, "bias")?,
             esm,
@@ -123,8 +123,8 @@ impl BasicTwin {
         depth_at: impl Fn(u32, u32) -> f32,
     ) -> f64 {
         let size = f64::from(self.size);
-        let lean = (1.0 + ASTRAY) * slope.abs().element_sum();
-        let depth = at.z + self.bias.x + self.bias.y * at.z + lean;
+        let slope_bias = (1.0 + ASTRAY) * slope.abs().element_sum();
+        let depth = at.z + self.bias.x + self.bias.y * at.z + slope_bias;
         let filter = Filter {
             width: self.width,
             size: self.size,
@@ -173,8 +173,8 @@ impl BasicTwin {
                 let across = texel * distance * (cell.x * right + cell.y * down);
                 let tap = offset + aside + across;
                 let face = face_axis(tap);
-                let lean = (1.0 + ASTRAY) * texel * tilt.abs().dot(1.0 - face);
-                let inverse = (1.0 + tilt.dot(across)) / tap.abs().dot(face) + lean;
+                let slope_bias = (1.0 + ASTRAY) * texel * tilt.abs().dot(1.0 - face);
+                let inverse = (1.0 + tilt.dot(across)) / tap.abs().dot(face) + slope_bias;
                 let depth = projection.x + projection.y * inverse;
                 let reference = (depth + self.bias.x + self.bias.y * depth).clamp(0.0, 1.0);
                 lit += self.compare_cube(tap, reference, &depth_at);

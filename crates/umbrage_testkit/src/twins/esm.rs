@@ -9,17 +9,17 @@ use umbrage_shadow::{ShadowPlan, Value};
 
 use super::filter::Filter;
 
-/// How the maps of a plan are asked.
+/// How the maps of a plan are sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EsmTwin {
     /// Of each map.
     exponents: Vec<f64>,
-    /// What one question takes.
+    /// Fetches of one lookup.
     pub fetches: u32,
 }
 
 impl EsmTwin {
-    /// That of `plan`; none where it has no exponential maps.
+    /// The twin of `plan`; none where it has no exponential maps.
     pub(super) fn new(plan: &ShadowPlan) -> Option<Self> {
         let Value::Array(tiles) = plan.constants.get("esm_tiles")? else {
             return None;

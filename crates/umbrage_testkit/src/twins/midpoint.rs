@@ -22,8 +22,8 @@ pub struct MidpointTwin {
 
 impl MidpointTwin {
     /// The depth (reversed, 0..1) that a texel holds where the nearest face turned to the light is at the depth `front`
-    /// and the nearest one turned away at `back`, 0 for none. `texel` is a texel's width, as depth, about a depth. What
-    /// rounding may be is left out.
+    /// and the nearest back-facing one at `back`, 0 for none. `texel` is a texel's width, as depth, about a depth.
+    /// Rounding is left out.
     pub fn depth(self, front: f64, back: f64, texel: impl Fn(f64) -> f64) -> f64 {
         let (least, most) = match self.receiver_plane {
             true => (LEAST, MOST),

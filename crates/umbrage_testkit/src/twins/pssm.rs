@@ -25,7 +25,7 @@ pub struct PssmTwin {
     esm: Option<EsmTwin>,
 }
 
-/// What was chosen for the method besides its filter.
+/// Choices for the method besides its filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The axis `lookup`.
@@ -74,7 +74,7 @@ impl PssmTwin {
             Pass::Casters(pass) => Some(pass),
             _ => None,
         });
-        // What a map holds may take several passes, the first of all maps first.
+        // A map's contents may take several passes, the first of all maps first.
         let mut drawn: Vec<_> = drawn.collect();
         let first = drawn.first().map(|pass| pass.receivers)?;
         let again = drawn
@@ -98,7 +98,7 @@ impl PssmTwin {
             splits: splits.collect::<Option<_>>()?,
             forward: forward.as_dvec3(),
             width,
-            // Exponential maps are asked about a point.
+            // Exponential maps are sampled for a point.
             receiver_plane: receiver_plane && esm.is_none(),
             choice,
             esm,
@@ -206,19 +206,19 @@ impl PssmTwin {
         else {
             return 1.0;
         };
-        let lean = (1.0 + ASTRAY) * slope.abs().element_sum();
-        let depth = at.z + split.bias.x + split.bias.y * at.z + lean;
+        let slope_bias = (1.0 + ASTRAY) * slope.abs().element_sum();
+        let depth = at.z + split.bias.x + split.bias.y * at.z + slope_bias;
         let filter = Filter {
             width: self.width_of(number),
             size: split.size,
         };
         let depth_at = |x, y| depth_at(number, x, y);
-        let asked = at.truncate() + reach(filter.width) * aside;
-        let asked = asked.clamp(DVec2::ZERO, DVec2::splat(f64::from(split.size)));
+        let place = at.truncate() + reach(filter.width) * aside;
+        let place = place.clamp(DVec2::ZERO, DVec2::splat(f64::from(split.size)));
         if let Some(esm) = &self.esm {
-            return esm.lit(number, filter, (asked, depth), to_map, depth_at);
+            return esm.lit(number, filter, (place, depth), to_map, depth_at);
         }
-        filter.lit(asked, depth, slope, depth_at)
+        filter.lit(place, depth, slope, depth_at)
     }
 }
 
@@ -259,7 +259,7 @@ impl Split {
     }
 }
 
-/// What a receiver's depth is raised by, as the shader reads it.
+/// A receiver's bias in depth, as the shader reads it.
 fn bias(crop: &Constants) -> Option<DVec2> {
     match crop.get("depth")? {
         Value::Vec4(depth) => Some(DVec2::new(depth.z.into(), depth.w.into())),

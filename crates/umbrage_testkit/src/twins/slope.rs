@@ -8,7 +8,7 @@ pub(crate) const STEEPEST: f64 = 64.0;
 /// Texels by which a rasteriser's grid displaces a plane, and more: the shader's constant.
 pub(crate) const ASTRAY: f64 = 1.0 / 256.0;
 
-/// How a plane is asked about in a map: the shader's struct.
+/// A receiver's plane as it is sampled in a map: the shader's struct.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Followed {
     /// Change of the plane's depth per texel, as far as it is followed.
@@ -19,7 +19,7 @@ pub(crate) struct Followed {
 
 impl Followed {
     /// A plane whose depth changes by `across` / `toward` a texel, where `steepest` is the most that is followed; not
-    /// at all where it is unknown or turned away.
+    /// at all where it is unknown or back-facing.
     pub(crate) fn new(across: DVec2, steepest: f64, toward: f64) -> Self {
         let most = steepest * toward;
         if most.is_nan() || most <= 0.0 {
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unknown_or_turned_away_is_not_followed() {
+    fn unknown_and_back_facing_planes_are_not_followed() {
         for toward in [0.0, -1.0, f64::NAN] {
             assert_eq!(
                 Followed::new(DVec2::X, STEEPEST, toward),

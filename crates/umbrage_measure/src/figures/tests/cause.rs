@@ -28,7 +28,7 @@ fn at(x: usize, y: usize) -> usize {
     y * SIZE as usize + x
 }
 
-/// Shares as numbers of samples: acne, detachment, leak, beyond range, edge.
+/// Shares as numbers of samples: acne, peter-panning, leak, beyond range, edge.
 fn counts(figures: &Figures) -> [f64; 5] {
     let Figures {
         acne,
@@ -90,7 +90,7 @@ fn without_a_plan_an_edge_reaches_a_pixel() {
 
 /// 1.5 + 2 texels of 0.125 m, under a light that shines straight down: 0.4375 m.
 #[test]
-fn false_light_under_what_is_near_is_a_detachment() {
+fn false_light_under_near_casters_is_peter_panning() {
     for (gap, cause) in [(0.43, 1), (0.445, 2)] {
         let mut made = half_dark();
         made.rendered[at(20, 50)] = 1.0;

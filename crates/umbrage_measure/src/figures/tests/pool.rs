@@ -1,4 +1,4 @@
-//! What is counted, and what is not.
+//! Samples that are counted, and samples that are not.
 
 use super::{Made, same, sun_plan};
 use crate::figures::{FigureError, Figures, Sample, figures};

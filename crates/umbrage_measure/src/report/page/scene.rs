@@ -1,4 +1,4 @@
-//! What the page says of one scene.
+//! The page's part about one scene.
 
 use maud::{Markup, html};
 use umbrage_render::Decision;
@@ -218,7 +218,7 @@ impl Page<'_> {
     }
 }
 
-/// What the colours of decisions mean.
+/// Meaning of the colours of decisions.
 fn decisions() -> Markup {
     let colors = [
         (Decision::LitByPlane, "lit by a plane"),
@@ -226,7 +226,7 @@ fn decisions() -> Markup {
         (Decision::ShadowedByPlane, "shadowed by a plane"),
         (Decision::ShadowedByDepth, "shadowed by depth"),
         (Decision::Filtered, "filtered"),
-        (Decision::Unasked, "no map asked"),
+        (Decision::Unasked, "no map sampled"),
     ];
     html! {
         p.legend {

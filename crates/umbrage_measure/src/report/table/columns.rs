@@ -22,12 +22,12 @@ pub(super) struct Column {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
     pub(super) unit: &'static str,
-    /// What it is, in a few words.
+    /// Meaning, in a few words.
     pub(super) about: &'static str,
     /// The figure, in the column's unit.
     pub(super) value: fn(&Row) -> Option<f64>,
     pub(super) show: fn(f64) -> String,
-    /// What stands beside it, small.
+    /// Second figure beside it, small.
     pub(super) beside: Option<fn(&Row) -> Option<String>>,
 }
 
@@ -189,11 +189,15 @@ pub(super) static GROUPS: &[Group] = &[
             share!(acne, "acne", "the receiver shades itself"),
             share!(
                 turned_away,
-                "turned away",
-                "the far side of a thin thing, which gets no light anyway"
+                "back-facing",
+                "the back-facing side of a thin caster, which gets no light anyway"
             ),
-            share!(detachment, "detachment", "a band of light at the contact"),
-            share!(leak, "leak", "light behind a caster"),
+            share!(
+                detachment,
+                "peter-panning",
+                "a band of light where the caster touches the receiver"
+            ),
+            share!(leak, "light leak", "light behind a caster"),
             share!(beyond_range, "beyond range", "past the shadow distance"),
             share!(edge, "edge", "within a filter's reach of a true edge"),
         ],
@@ -316,7 +320,7 @@ pub(super) static GROUPS: &[Group] = &[
                     "decided",
                     "decided at once",
                     "%",
-                    "receivers, of those that ask a map, whose light was told without filtering: all, by planes, by the least and the greatest depth",
+                    "receivers, of those that sample a map, whose shadow term was found without filtering: all, by planes, by the least and the greatest depth",
                     |row| row.decided.map(|decided| decided.at_once() * 100.0),
                     number,
                 )

@@ -102,7 +102,7 @@ fn behind_a_block_the_gap_ends_at_its_back() {
     assert!(dark > 100, "{dark}");
 }
 
-/// What casts no shadow, or has a hole there, is in no one's way; what stands behind it is.
+/// An object that casts no shadow, or has a hole there, is in no one's way; what stands behind it is.
 #[test]
 fn a_gap_leads_through_what_does_not_cast() {
     let light = LightKind::Directional {

@@ -1,4 +1,4 @@
-//! What cannot be traced.
+//! Scenes that cannot be traced.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn sound() -> Scene {
     scene(vec![floor], LightKind::Directional { direction }, camera)
 }
 
-/// What is said of the sound scene after a change.
+/// Message about the sound scene after a change.
 fn said(change: impl FnOnce(&mut Scene)) -> String {
     let mut scene = sound();
     change(&mut scene);

@@ -43,7 +43,7 @@ fn share(scene: &Scene, size: f64) -> f64 {
     f64::from(terms[0].expect("the floor is seen"))
 }
 
-/// What the edge cuts off a disc of radius 1 at a distance from its middle.
+/// Share of a disc of radius 1 that the edge cuts off at a distance from its middle.
 fn segment(distance: f64) -> f64 {
     (distance.acos() - distance * (1.0 - distance * distance).sqrt()) / PI
 }

@@ -1,4 +1,4 @@
-//! Which splits there are, and what each one's map holds.
+//! The splits, and what each one's map holds.
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
@@ -60,8 +60,8 @@ pub(super) struct Split {
     /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
     pub scale: DVec3,
     pub offset: DVec3,
-    /// A receiver's depth d is raised by x + y · d.
-    pub raise: DVec2,
+    /// A receiver's depth d is biased towards the light by x + y · d.
+    pub receiver_bias: DVec2,
     pub bias: Bias,
     /// World (camera-relative) to clip space.
     pub view_proj: DMat4,
@@ -210,7 +210,7 @@ impl<'a> Job<'a> {
             {
                 held[0] -= self.band * (before.depths[1] - before.depths[0]);
             }
-            // Who is seen in the band alone has the map of the split before.
+            // A receiver seen in the band alone has the map of the split before.
             if seen_in(depths).is_some()
                 && let Some(seen) = seen_in(held)
             {
@@ -342,7 +342,7 @@ impl<'a> Job<'a> {
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
-            raise: self.frame.receiver_bias(&bias)?,
+            receiver_bias: self.frame.receiver_bias(&bias)?,
             bias,
             view_proj: lens.matrix(&seen.rect, seen.near, seen.far),
             casters,
@@ -355,7 +355,7 @@ impl<'a> Job<'a> {
 struct Slice {
     /// Where it begins and ends.
     depths: [f64; 2],
-    /// What its map holds: its beginning is in the band of the split before.
+    /// Depths that its map holds: they begin in the band of the split before.
     held: [f64; 2],
     seen: Extent,
     /// Texels along its map's side without the filter's margins.

@@ -1,4 +1,4 @@
-//! What the shader's way to find a split's map reads.
+//! Resources that the shader's lookup of a split's map reads.
 
 use glam::{DMat4, DVec4, Mat4, Vec2, Vec4};
 use umbrage_shadow::{
@@ -279,9 +279,9 @@ fn crops(splits: &Splits) -> Value {
 
 /// The two members of a `Crop`.
 fn crop(split: &Split) -> [Vec4; 2] {
-    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
+    let (scale, offset, bias) = (split.scale, split.offset, split.receiver_bias);
     let place = DVec4::new(scale.x, scale.y, offset.x, offset.y);
-    let depth = DVec4::new(scale.z, offset.z, raise.x, raise.y);
+    let depth = DVec4::new(scale.z, offset.z, bias.x, bias.y);
     [place.as_vec4(), depth.as_vec4()]
 }
 
@@ -296,9 +296,9 @@ fn crop_columns(splits: &Splits, member: usize) -> Value {
 
 /// The rows from the world to a split's map, before the division, and what else a `SplitMap` holds.
 fn rows(base: &DMat4, split: &Split) -> [DVec4; MATRIX_ROWS as usize] {
-    let (scale, offset, raise) = (split.scale, split.offset, split.raise);
+    let (scale, offset, bias) = (split.scale, split.offset, split.receiver_bias);
     let row = |i: usize| base.row(i) * scale[i] + base.row(3) * offset[i];
-    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, raise.x, raise.y);
+    let rest = DVec4::new(scale.z / scale.x, scale.z / scale.y, bias.x, bias.y);
     [row(0), row(1), row(2), base.row(3), rest]
 }
 

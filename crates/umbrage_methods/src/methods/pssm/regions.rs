@@ -34,7 +34,7 @@ pub(super) fn of(job: &Job<'_>, splits: &Splits) -> Result<Vec<Region>, PlanErro
     Ok(regions)
 }
 
-/// What a split's pixels need where no other split's map is read: one width of filter, and no band.
+/// Axes of a split's pixels where no other split's map is read: one width of filter, and no band.
 fn own_axes(job: &Job<'_>, tapering: Option<Width>, split: usize) -> BTreeMap<String, String> {
     let mut axes = BTreeMap::new();
     if job.transition != Transition::Hard {

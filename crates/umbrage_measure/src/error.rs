@@ -40,7 +40,7 @@ pub enum StudyError {
         /// Why.
         source: RenderError,
     },
-    /// What was rendered cannot be held against the truth.
+    /// A rendering cannot be held against the truth.
     #[error(transparent)]
     Figures(#[from] FigureError),
     /// A picture of the report cannot be made.
