@@ -505,7 +505,8 @@ impl<'a> Execution<'a> {
             unfiltered: unfiltered(&[&given]),
             ..DrawState::NOTHING
         };
-        let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
+        let pipeline = self.shared.pipeline(&composed.permutation, state, &[]);
+        let pipeline = pipeline.map_err(|error| error.in_pass(self.job))?;
         let groups = self.groups(&pipeline.program, &given)?;
         let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

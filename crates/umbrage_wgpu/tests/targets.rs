@@ -596,6 +596,13 @@ fn layers_that_do_not_fit_are_told() {
             ),
             (|plan| plan.textures[1].width = 4, "both must be as large"),
             (
+                |plan| {
+                    let third = color("reds", 1, ColorWrites::RED);
+                    casters(plan, 0).colors.push(third);
+                },
+                "pass=paint gives no colour at location 2, and 3 colours are drawn into",
+            ),
+            (
                 |plan| plan.textures[0].empty = f32::NAN,
                 "the texture `reds`, empty at NaN: a finite number, of depth from 0 to 1, is needed",
             ),
