@@ -82,7 +82,7 @@ pub enum Error {
     BadDepth {
         /// The light.
         light: String,
-        /// What is wrong, and what to do.
+        /// The fault, and the remedy.
         problem: String,
     },
     /// A permutation reads what nobody gives it.

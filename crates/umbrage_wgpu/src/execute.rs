@@ -298,7 +298,7 @@ impl<'a> Execution<'a> {
         mut memory: Memory,
         plan: &ShadowPlan,
     ) -> Result<Self, Error> {
-        // What is shaded by a later plan may stand.
+        // A later plan may be shaded by textures that stand.
         if plan.asks.is_empty() {
             memory.let_go(plan);
         }
@@ -415,7 +415,7 @@ impl<'a> Execution<'a> {
         Ok((record, touches))
     }
 
-    /// What the shader of `pass` depends on, textures and buffers that passes fill apart.
+    /// The shader of `pass` and all that it depends on, textures and buffers that passes fill apart.
     fn shader(&self, pass: &Pass, permutation: &Permutation, plan: &ShadowPlan) -> Shader {
         let bindings = &permutation.reflection.bindings;
         let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);

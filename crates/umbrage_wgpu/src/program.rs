@@ -160,8 +160,9 @@ impl Pipeline {
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Self, Error> {
         let given = colors(&permutation);
-        let mut locations = 0..state.colors.len() as u32;
-        if let Some(location) = locations.find(|location| !given.contains(location)) {
+        let written = (0..).zip(&state.colors);
+        let mut written = written.filter(|(_, color)| !color.channels.is_empty());
+        if let Some((location, _)) = written.find(|(location, _)| !given.contains(location)) {
             return Err(Error::Colors {
                 key: permutation.key.to_string(),
                 location,

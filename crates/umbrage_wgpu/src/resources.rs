@@ -87,7 +87,7 @@ pub(crate) fn textures(
     Ok((textures, new))
 }
 
-/// What an error calls a resource.
+/// A resource as errors call it.
 fn what(job: &Job<'_>, kind: &str, name: &str) -> String {
     let (light, method) = (job.name, job.shadow.method().name());
     format!("light `{light}`, method `{method}`: the {kind} `{name}`")

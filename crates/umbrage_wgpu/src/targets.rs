@@ -4,7 +4,7 @@ use umbrage_shadow::{Blend, CasterPass, ColorTarget, ScreenPass, Slice, TextureD
 
 use crate::{ColorState, Error, MAX, check::bad_plan, execute::Execution, touches::place};
 
-/// What a render pass draws into.
+/// Targets of a render pass.
 pub(crate) struct Targets {
     /// The depth's format, its view, and how it begins.
     pub(crate) depth: Option<(wgpu::TextureFormat, wgpu::TextureView, wgpu::LoadOp<f32>)>,

@@ -14,7 +14,7 @@ use crate::{
 };
 
 impl Execution<'_> {
-    /// What a pass writes and reads, checked against what the plan has.
+    /// Places that a pass writes and reads, checked against what the plan has.
     pub(crate) fn touches(
         &self,
         pass: &Pass,
@@ -282,7 +282,7 @@ pub(crate) fn reads_camera_depth(pass: &Pass, permutation: &Permutation) -> bool
     bindings.any(|binding| source(renamed, &binding.name).name == Reads::CAMERA_DEPTH)
 }
 
-/// What a pass has for a binding.
+/// The buffer or the part of a texture that a pass has for a binding.
 pub(crate) fn source(renamed: &[(String, Source)], binding: &str) -> Source {
     let found = renamed.iter().find(|(from, _)| from == binding);
     found.map_or_else(|| binding.into(), |(_, source)| source.clone())

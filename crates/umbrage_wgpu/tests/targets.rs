@@ -350,7 +350,7 @@ fn the_nearest_depth_is_the_order_s() {
             }],
             buffers: vec![written("found", 2)],
             passes: vec![
-                // What stood is gone, of this frame as of the one before.
+                // Gone with the pass that clears.
                 caster(0.9375, false),
                 caster(0.0625, false),
                 caster(0.75, true),
