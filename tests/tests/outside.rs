@@ -201,5 +201,8 @@ fn plans_with_numbers_that_are_none_are_refused() {
     let mut parts = registry().expect("names are unique");
     parts.filters.add(Numberless).expect("a new name");
     let said = refused(AXES, SOUND, parts);
-    assert_says(&said, &["light `window`", "basic", "finite"]);
+    assert_says(
+        &said,
+        &["light `window`", "of the filter `own` is", "finite"],
+    );
 }

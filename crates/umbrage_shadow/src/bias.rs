@@ -7,7 +7,7 @@ use crate::{Extent, Lens};
 /// Bias of a map's receivers, which keeps them from shading themselves. Depth is reversed: 1 near the light, 0 far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bias {
-    /// A receiver's depth d is raised by x + y · d: so many `texels` towards the light.
+    /// Bias of a receiver's depth d, x + y · d: so many `texels` towards the light.
     pub depth: DVec2,
     /// The width of a texel at depth d is x + y · d, as a depth.
     pub texel: DVec2,

@@ -155,10 +155,35 @@ impl<'a> Frame<'a> {
     /// # Errors
     /// The filter's.
     pub fn margin(&self, number: usize) -> Result<f64, PlanError> {
-        Ok(self.filter()?.reach(self, number)? + 1.0)
+        Ok(self.reach(number)? + 1.0)
     }
 
-    /// By what a receiver's depth d in a map is raised before it is compared, as x + y · d.
+    /// The filter's [reach](Filter::reach) in map `number`, texels.
+    ///
+    /// # Errors
+    /// The filter's, and a reach that is no length.
+    pub fn reach(&self, number: usize) -> Result<f64, PlanError> {
+        let filter = self.filter()?;
+        let reach = filter.reach(self, number)?;
+        let what = format!("the reach of the filter `{}`", filter.name());
+        let holds = reach.is_finite() && reach >= 0.0;
+        PlanError::check(holds, &what, reach, "finite, and not below 0")?;
+        Ok(reach)
+    }
+
+    /// The filter's [bias](Filter::depth_bias), texels, where a scene chose `texels`.
+    ///
+    /// # Errors
+    /// The filter's, and a bias that is not finite.
+    pub fn depth_bias(&self, texels: f64, side: u32) -> Result<f64, PlanError> {
+        let filter = self.filter()?;
+        let bias = filter.depth_bias(self, texels, side)?;
+        let what = format!("the bias of the filter `{}`", filter.name());
+        PlanError::check(bias.is_finite(), &what, bias, "finite")?;
+        Ok(bias)
+    }
+
+    /// Bias of a receiver's depth d in a map before it is compared, towards the light, as x + y · d.
     ///
     /// # Errors
     /// There is no depth source.
@@ -176,7 +201,7 @@ impl<'a> Frame<'a> {
     pub fn fill(&self, maps: &Maps, plan: &mut ShadowPlan) -> Result<(), PlanError> {
         self.depth()?.fill(self, maps, plan)?;
         self.filter()?.prepare(self, maps, plan)?;
-        plan.filter_radius = self.filter()?.reach(self, 0)?;
+        plan.filter_radius = self.reach(0)?;
         Ok(())
     }
 }

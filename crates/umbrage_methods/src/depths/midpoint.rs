@@ -154,7 +154,7 @@ impl DepthSource for Midpoint {
     fn fill(&self, frame: &Frame<'_>, maps: &Maps, plan: &mut ShadowPlan) -> Result<(), PlanError> {
         maps.check_reversed(self.name())?;
         let demand = Demand {
-            reach: frame.filter()?.reach(frame, 0)?,
+            reach: frame.reach(0)?,
             plane: maps.follows_plane,
         };
         match self {

@@ -134,7 +134,7 @@ impl<'a> Job<'a> {
             frame,
             bounds: frame.bounds(),
             resolution,
-            depth_bias: frame.filter()?.depth_bias(frame, depth_bias, resolution)?,
+            depth_bias: frame.depth_bias(depth_bias, resolution)?,
             margin: frame.margin(0)?,
             follows_plane: frame.choice("receiver_bias", &biases)?,
         })

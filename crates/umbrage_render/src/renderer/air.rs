@@ -7,16 +7,13 @@ use umbrage_wgpu::{ColorState, DrawState};
 use super::{
     RenderOptions, Renderer, Shot,
     assets::Vertices,
-    camera::Lamp,
-    draw::{FrameState, LightInputs, PassInputs, Term, record, unfiltered},
-    lights::LightSetup,
+    draw::record,
+    frame::{FrameState, Lamp, LightInputs, PassInputs, unfiltered},
+    lights::{LightSetup, Term},
     passes::NamedPass,
     target::Target,
 };
 use crate::{RenderError, scene::Medium};
-
-/// The binding of the depth that the picture's passes leave.
-pub(super) const SEEN_DEPTH: &str = "seen_depth";
 
 /// Passes that draw no object are drawn for its sake.
 pub(super) const AIR: &str = "the air";

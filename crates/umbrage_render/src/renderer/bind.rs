@@ -9,10 +9,8 @@ use umbrage_wgpu::{Error, Program, Resource};
 
 use super::{
     Renderer,
-    air::SEEN_DEPTH,
     assets::{self, Assets},
-    draw::{FrameState, PassInputs},
-    seen::SEEN_PLANES,
+    frame::{FrameState, PassInputs, SEEN_DEPTH, SEEN_PLANES},
 };
 use crate::{
     Gpu, RenderError,

@@ -3,39 +3,19 @@
 use std::{collections::BTreeMap, time::Instant};
 
 use glam::Vec3;
-use umbrage_shadow::Constants;
 use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Renderer, Shot,
     air::{self, LitAir},
     assets::Vertices,
-    draw::{Command, FrameState, LightInputs, PassInputs, Term, record, unfiltered},
-    lights::{self, LightSetup},
+    draw::{Command, record},
+    frame::{FrameState, Lamp, LightInputs, PLANE, PassInputs, unfiltered},
+    lights::{self, LightSetup, Term},
     passes::NamedPass,
-    seen::PLANE,
     target::{DEPTH, Target},
 };
 use crate::{Decision, Path, Picture, RenderError, What};
-
-/// A light as it is in a picture, with its shadow maps.
-pub(super) struct Lamp<'a> {
-    setup: &'a LightSetup<'a>,
-    constants: Constants,
-    shadow: Option<ShadowResources>,
-}
-
-impl Lamp<'_> {
-    /// What a shader reads of it that finds the shadow term for itself.
-    pub(super) fn reads(&self) -> LightInputs<'_> {
-        LightInputs {
-            setup: self.setup,
-            constants: &self.constants,
-            shadow: self.shadow.as_ref(),
-            term: Term::Method,
-        }
-    }
-}
 
 impl Renderer {
     pub(super) fn shaded(

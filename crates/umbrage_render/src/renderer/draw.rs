@@ -1,92 +1,22 @@
 //! Turns a list of objects into draw commands: composes what they need, binds what it reads.
 
-use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
-    ops::Range,
-    sync::Arc,
-};
+use std::{collections::HashMap, ops::Range, sync::Arc};
 
-use glam::{Mat4, Vec3};
-use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose};
-use umbrage_shadow::Constants;
-use umbrage_wgpu::{
-    DrawState, Pipeline, Resource, ShadowResources, Unfiltered, reads_facing, vertices_read,
-};
+use umbrage_compose::Permutation;
+use umbrage_wgpu::{DrawState, Pipeline, reads_facing, vertices_read};
 
 use super::{
-    RenderOptions, Renderer,
-    assets::{GpuMesh, Vertices, layouts},
+    Renderer,
+    assets::{GpuMesh, layouts},
     bind::MATERIAL,
-    lights::{self, LightSetup},
-    objects::{Objects, Run},
-    passes::NamedPass,
-    timer::Timer,
+    frame::{FrameState, LightInputs, PassInputs},
+    lights,
+    objects::Run,
 };
 use crate::{
-    PermutationUse, RenderError, Report,
+    RenderError,
     scene::{Material, Object},
 };
-
-/// What is being rendered, and what has been found out on the way.
-pub(super) struct FrameState<'a> {
-    pub(super) options: &'a RenderOptions,
-    pub(super) objects: Objects<'a>,
-    pub(super) encoder: wgpu::CommandEncoder,
-    pub(super) report: Report,
-    pub(super) timer: Timer,
-    /// The lights whose shadow maps this frame uses, by their numbers.
-    pub(super) shadow_maps: BTreeSet<u64>,
-    /// What is seen, where it was laid down.
-    pub(super) planes: Option<wgpu::TextureView>,
-    /// The depth of what is seen, once it is there for the air.
-    pub(super) seen_depth: Option<wgpu::TextureView>,
-    /// The members of the shader's block `rays`.
-    pub(super) rays: Constants,
-    /// Whether the camera's rays are parallel.
-    pub(super) orthographic: bool,
-    /// By the full keys, so that each is asked for once.
-    composed: BTreeMap<Vec<Key>, Arc<Permutation>>,
-    /// The array of instances, by the layout of its element.
-    pub(super) instances: Vec<(Layout, wgpu::Buffer)>,
-    /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
-    pub(super) buffers: Vec<((usize, String, BindingKind), Resource)>,
-}
-
-/// What all draws of one pass share.
-pub(super) struct PassInputs<'a> {
-    pub(super) pass: NamedPass<'a>,
-    /// The light on whose account it is drawn.
-    pub(super) cause: Option<&'a str>,
-    pub(super) view_proj: Mat4,
-    pub(super) ambient: Vec3,
-    /// The lights that the shader reads, in this order.
-    pub(super) lights: Vec<LightInputs<'a>>,
-    pub(super) vertices: Vertices,
-    /// With `front` as it is for objects that are not mirrored.
-    pub(super) state: DrawState,
-}
-
-/// The light that a pass is for.
-#[derive(Clone, Copy)]
-pub(super) struct LightInputs<'a> {
-    pub(super) setup: &'a LightSetup<'a>,
-    pub(super) constants: &'a Constants,
-    pub(super) shadow: Option<&'a ShadowResources>,
-    pub(super) term: Term<'a>,
-}
-
-/// Where a shader has a light's shadow term from.
-#[derive(Clone, Copy)]
-pub(super) enum Term<'a> {
-    /// The light's method.
-    Method,
-    /// The light's method, with these values of its axes in place of the light's.
-    Region(&'a BTreeMap<String, String>),
-    /// A mask.
-    Mask,
-    /// The light's method, at points in the air.
-    Air,
-}
 
 /// A draw, ready to be recorded.
 pub(super) struct Command {
@@ -97,65 +27,6 @@ pub(super) struct Command {
     /// None for one triangle around the picture.
     mesh: Option<Arc<GpuMesh>>,
     instances: Range<u32>,
-}
-
-impl<'a> FrameState<'a> {
-    pub(super) fn new(
-        options: &'a RenderOptions,
-        objects: Objects<'a>,
-        encoder: wgpu::CommandEncoder,
-        timer: Timer,
-        rays: Constants,
-        orthographic: bool,
-    ) -> Self {
-        Self {
-            planes: None,
-            seen_depth: None,
-            rays,
-            orthographic,
-            options,
-            objects,
-            encoder,
-            report: Report::default(),
-            timer,
-            shadow_maps: BTreeSet::new(),
-            composed: BTreeMap::new(),
-            instances: Vec::new(),
-            buffers: Vec::new(),
-        }
-    }
-}
-
-impl FrameState<'_> {
-    /// Reports a permutation that was needed: for an object (or what stands for one), and for a light where it was for one.
-    pub(super) fn note(
-        &mut self,
-        composed: &Composed,
-        purpose: Purpose,
-        (object, light): (&str, Option<&str>),
-    ) {
-        let (key, others) = (&composed.permutation.key, &composed.permutation.others);
-        let mut reported = self.report.permutations.iter();
-        if reported.any(|used| used.key == *key && used.others == *others) {
-            return;
-        }
-        self.report.warnings.extend(composed.warnings.clone());
-        self.report.permutations.push(PermutationUse {
-            key: key.clone(),
-            others: others.clone(),
-            purpose,
-            source: composed.source,
-            object: object.to_owned(),
-            light: light.map(str::to_owned),
-        });
-    }
-}
-
-/// What of the lights' resources must not be filtered.
-pub(super) fn unfiltered(lights: &[LightInputs<'_>]) -> Unfiltered {
-    let none = ShadowResources::default();
-    let shadows: Vec<_> = lights.iter().map(|l| l.shadow.unwrap_or(&none)).collect();
-    umbrage_wgpu::unfiltered(&shadows)
 }
 
 /// Records `commands`.

@@ -8,7 +8,7 @@ use umbrage_hints::ending;
 use umbrage_shadow::{Constants, Light, LightKind, Registry, Support, look_along};
 use umbrage_wgpu::{CheckedShadow, check_value};
 
-use super::{RenderOptions, draw::Term, passes::NamedPass};
+use super::{RenderOptions, passes::NamedPass};
 use crate::{
     RenderError,
     scene::{Object, Scene, SceneLight},
@@ -22,6 +22,19 @@ pub(super) struct LightSetup<'a> {
     pub(super) method: Option<CheckedShadow<'a>>,
     /// Whether it goes through a medium.
     pub(super) in_medium: bool,
+}
+
+/// Where a shader has a light's shadow term from.
+#[derive(Clone, Copy)]
+pub(super) enum Term<'a> {
+    /// The light's method.
+    Method,
+    /// The light's method, with these values of its axes in place of the light's.
+    Region(&'a BTreeMap<String, String>),
+    /// A mask.
+    Mask,
+    /// The light's method, at points in the air.
+    Air,
 }
 
 /// Axes that the renderer sets for each draw, so that they cannot be chosen by name.

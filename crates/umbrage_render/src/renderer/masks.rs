@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 use umbrage_shadow::{Aabb, Constants, Value, View};
-use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
+use umbrage_wgpu::{DrawState, ShadowResources};
 
 use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
-    draw::{FrameState, LightInputs, PassInputs, record, unfiltered},
+    draw::record,
+    frame::{FrameState, LightInputs, PassInputs, SEEN_PLANES, picture_size, state, unfiltered},
     passes::NamedPass,
-    seen::{SEEN_PLANES, picture_size},
-    target::{DEPTH, Target, begin},
+    target::{Target, begin},
 };
 use crate::{RenderError, scene::Object};
 
@@ -205,23 +205,6 @@ impl<'a> Masked<'a> {
 
 fn has_regions(shadow: Option<&ShadowResources>) -> bool {
     shadow.is_some_and(|shadow| !shadow.regions.is_empty())
-}
-
-/// Depth is only looked at.
-pub(super) fn state(format: wgpu::TextureFormat, compare: wgpu::CompareFunction) -> DrawState {
-    DrawState {
-        colors: vec![ColorState {
-            format,
-            blend: None,
-            channels: wgpu::ColorWrites::ALL,
-        }],
-        depth: Some(DEPTH),
-        compare,
-        write_depth: false,
-        cull: None,
-        front: wgpu::FrontFace::Ccw,
-        unfiltered: Default::default(),
-    }
 }
 
 /// The pixels (left, top, width, height) that what lies in `boxes` can be seen at: all where one of them

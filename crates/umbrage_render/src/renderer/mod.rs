@@ -5,6 +5,7 @@ mod assets;
 mod bind;
 mod camera;
 mod draw;
+mod frame;
 mod lights;
 mod masks;
 mod objects;
@@ -22,7 +23,7 @@ use umbrage_compose::Composer;
 use umbrage_shadow::{Aabb, PlanError, Registry, View};
 use umbrage_wgpu::{Executor, Shadow};
 
-use self::{assets::Assets, draw::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
+use self::{assets::Assets, frame::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
 use crate::{
     Gpu, RenderError, Rendered,
     scene::{Image, Scene},

@@ -10,9 +10,9 @@ use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Renderer,
-    draw::{FrameState, LightInputs, Term},
-    masks::{MaskPass, Masked, Masks, TERM, state},
-    seen::picture_size,
+    frame::{FrameState, LightInputs, picture_size, state},
+    lights::Term,
+    masks::{MaskPass, Masked, Masks, TERM},
     target::DEPTH,
 };
 use crate::{RenderError, scene::Object};

@@ -6,20 +6,12 @@ use umbrage_wgpu::DrawState;
 use super::{
     Renderer, Shot,
     assets::Vertices,
-    draw::{FrameState, PassInputs, record},
-    masks::state,
+    draw::record,
+    frame::{FrameState, PLANE, PassInputs, picture_size, state},
     passes::NamedPass,
     target::{Target, begin},
 };
 use crate::RenderError;
-
-/// The binding of what `linear_depth` lays down.
-pub(super) const SEEN_PLANES: &str = "seen_planes";
-
-/// Each pixel's plane: the unit normal and the linear depth, 0 where nothing is seen. In 16 bytes a
-/// pixel, all floats: a normal in two halves is 1e-3 radians off, which at a slope of 19, light at 87°, moves a
-/// receiver's plane by a third.
-pub(super) const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 impl Renderer {
     /// Lays down the planes that are seen, once for a picture; where the target is `fresh`, depth with them, else it is
@@ -62,15 +54,6 @@ impl Renderer {
         frame.report.passes += 1;
         frame.planes = Some(planes);
         Ok(())
-    }
-}
-
-/// A texture's size that has a texel for each pixel of the picture.
-pub(super) fn picture_size(frame: &FrameState<'_>) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width: frame.options.width,
-        height: frame.options.height,
-        depth_or_array_layers: 1,
     }
 }
 

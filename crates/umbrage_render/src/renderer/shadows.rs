@@ -19,7 +19,7 @@ use super::{
     air::{AIR, LitAir},
     assets::{Vertices, layouts},
     bind::Stock,
-    draw::FrameState,
+    frame::FrameState,
     lights::{self, LightSetup},
     objects::Run as Batch,
     target::Target,

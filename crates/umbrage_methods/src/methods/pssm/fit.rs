@@ -98,7 +98,7 @@ impl<'a> Job<'a> {
             },
             shadow_distance: (distance > 0.0).then_some(frame.view.eye + distance),
             tile,
-            depth_bias: (frame.filter()?).depth_bias(frame, setting("depth_bias"), tile)?,
+            depth_bias: frame.depth_bias(setting("depth_bias"), tile)?,
             band: setting("band"),
             lookup: Lookup::of(frame, setting("splits") as usize)?,
             follows_plane: frame

@@ -92,7 +92,7 @@ const MATRIX_ROWS: u32 = 5;
 /// The plan of a frame's splits.
 pub(super) fn plan(job: &Job<'_>, splits: &Splits) -> Result<ShadowPlan, PlanError> {
     let mut plan = ShadowPlan {
-        filter_radius: job.frame.filter()?.reach(job.frame, 0)?,
+        filter_radius: job.frame.reach(0)?,
         shadow_distance: job.shadow_distance,
         regions: regions::of(job, splits)?,
         ..ShadowPlan::default()
