@@ -34,7 +34,7 @@ fn maps(order: DepthOrder) -> Maps {
     }
 }
 
-/// What depths and filter of these names make of maps.
+/// The plan of maps with depths and a filter of these names.
 fn plan(order: DepthOrder, depth: &str, filter: &str) -> Result<ShadowPlan, PlanError> {
     let registry = umbrage_methods::registry().expect("names are unique");
     let axes = [

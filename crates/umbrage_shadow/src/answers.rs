@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// What buffers held that earlier plans of the same shadow [asked](crate::ShadowPlan::asks) about.
+/// Bytes of buffers that earlier plans of the same shadow [asked](crate::ShadowPlan::asks) about.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Answers {
     bytes: BTreeMap<String, Vec<u8>>,

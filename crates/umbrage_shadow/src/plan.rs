@@ -92,7 +92,7 @@ pub struct TextureDesc {
     pub shape: TextureShape,
     /// Its mip levels, 1 at the least: each half as large as the one before.
     pub levels: u32,
-    /// What each channel holds, or the depth, where nothing was drawn: what is drawn into is cleared to it first.
+    /// The value of each channel, or the depth, where nothing was drawn: a slice is cleared to it before the first pass into it.
     pub empty: f32,
 }
 
@@ -145,14 +145,14 @@ pub struct Contents {
 pub struct BufferDesc {
     /// Its binding.
     pub name: String,
-    /// What it holds.
+    /// Its contents.
     pub contents: BufferContents,
 }
 
 /// Contents of a storage buffer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BufferContents {
-    /// What the method computed, for shaders that only read it: for `array<T>` a [`Value::Array`] of one element at the
+    /// Numbers that the method computed, for shaders that only read them: for `array<T>` a [`Value::Array`] of one element at the
     /// least, laid out with the stride that the linked shader gives it.
     Value(Value),
     /// So many bytes, a multiple of 4, that compute passes write and others read: the plan's first pass that writes it finds
@@ -182,7 +182,7 @@ impl Pass {
         }
     }
 
-    /// What it reads; none of a pass of casters.
+    /// Reads of its shader; none of a pass of casters.
     pub fn reads(&self) -> Option<&Reads> {
         match self {
             Self::Casters(_) => None,
@@ -240,7 +240,7 @@ impl From<&str> for Slice {
     }
 }
 
-/// What a binding of a pass reads or writes: a buffer, a texture, or a part of one.
+/// A buffer, a texture, or a part of one, that a binding of a pass reads or writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// The buffer's or the texture's name.
@@ -340,7 +340,7 @@ pub enum Blend {
 pub struct ScreenPass {
     /// What is computed: a value of the shader library's axis `pass`.
     pub shader: String,
-    /// What it fills, all as large: textures of floats by the locations that the shader gives their colours, and at most one
+    /// Its targets, all as large: textures of floats by the locations that the shader gives their colours, and at most one
     /// of depth, which takes the fragment's depth. The plan's first pass into each makes it [empty](TextureDesc::empty).
     pub targets: Vec<Slice>,
     /// Where in them.
@@ -356,7 +356,7 @@ pub struct ComputePass {
     pub shader: String,
     /// How many workgroups are run.
     pub workgroups: Workgroups,
-    /// What it writes: textures of rectangles, in a format that WebGPU's baseline can store to, and
+    /// Its outputs: textures of rectangles, in a format that WebGPU's baseline can store to, and
     /// [written](BufferContents::Written) buffers.
     pub writes: Vec<Source>,
     /// What the shader reads.

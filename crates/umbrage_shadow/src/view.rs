@@ -231,7 +231,7 @@ impl Projection {
         DVec2::new(height * self.aspect, height)
     }
 
-    /// What makes depths of clip space linear: x + y · depth is one over the view depth, or the view depth itself (metres)
+    /// The terms that make depths of clip space linear: x + y · depth is one over the view depth, or the view depth itself (metres)
     /// where rays are parallel.
     pub fn depth_terms(&self) -> [f64; 2] {
         // At depth 0 and at depth 1.

@@ -82,7 +82,7 @@ pub enum Error {
     BadDepth {
         /// The light.
         light: String,
-        /// What is wrong, and what to do.
+        /// The fault, and the remedy.
         problem: String,
     },
     /// A permutation reads what nobody gives it.
@@ -97,7 +97,20 @@ pub enum Error {
         /// The fault.
         problem: String,
     },
-    /// A pass reads what its plan does not give it.
+    /// A permutation gives fewer colours than are drawn into.
+    #[error(
+        "permutation {key} gives no colour at location {location}, and {targets} colours are drawn into: have its fragment \
+         stage give one for each"
+    )]
+    Colors {
+        /// The permutation.
+        key: String,
+        /// The first location without a colour.
+        location: u32,
+        /// How many colours are drawn into.
+        targets: usize,
+    },
+    /// A pass reads or gives what its plan does not.
     #[error("light `{light}`, method `{method}`: a pass of its plan: {source}")]
     Pass {
         /// The light.
@@ -133,7 +146,7 @@ impl Error {
     /// The same, of a pass of the job's plan.
     pub(crate) fn in_pass(self, job: &Job<'_>) -> Self {
         match self {
-            Self::Binding { .. } => Self::Pass {
+            Self::Binding { .. } | Self::Colors { .. } => Self::Pass {
                 light: job.name.to_owned(),
                 method: job.shadow.method().name().to_owned(),
                 source: Box::new(self),

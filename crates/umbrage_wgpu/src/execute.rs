@@ -2,24 +2,22 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
-    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
 };
 
 use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    BufferContents, BufferDesc, CasterPass, ComputePass, Constants, Frame, MAX_QUESTIONS, Part,
-    Pass, ScreenPass, ShadowPlan, Source, Viewport, Workgroups,
+    BufferDesc, CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Source,
+    Viewport, Workgroups,
 };
 
 use crate::{
     CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, Unfiltered, bind,
+    Program, Question, ShadowResources, Times, Unfiltered, bind, check,
     record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
-    targets::{
-        Targets, attachment, bad_plan, check_regions, depth_attachment, reads_camera_depth, source,
-    },
+    targets::{Targets, attachment, depth_attachment},
+    touches::{reads_camera_depth, source},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
@@ -173,12 +171,7 @@ impl Executor {
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
-        let plan = plan(job)?;
-        check_numbers(job, &plan)?;
-        check_regions(job, &plan.regions)?;
-        check_question(job, &plan)?;
-        resources::check_names(job, &plan)?;
-        self.check_needs(job, &plan)?;
+        let plan = check::plan(job, self.shared.device.features())?;
         let shaders = self.shaders(job, &plan, host)?;
         // Put back once all is recorded.
         let memory = self.lights.remove(&job.light).unwrap_or_default();
@@ -219,7 +212,7 @@ impl Executor {
             let composed = self.shared.compose(choices)?;
             host.composed(pass.shader(), &composed);
             if reads_camera_depth(pass, &composed.permutation) {
-                check_camera_depth(job, pass)?;
+                check::camera_depth(job, pass)?;
             }
             Ok(Some(composed))
         };
@@ -281,25 +274,6 @@ impl Executor {
         let lights = self.lights.values();
         lights.flat_map(|memory| memory.textures.values().map(|(_, texture)| texture))
     }
-
-    /// Whether the device has what the plan needs.
-    fn check_needs(&self, job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
-        let there = self.shared.device.features();
-        let mut needs = plan.needs.iter();
-        let Some(need) = needs.find(|need| !there.contains(need.features)) else {
-            return Ok(());
-        };
-        let missing = (need.features - there).iter_names();
-        let missing: Vec<_> = missing
-            .map(|(name, _)| name.to_lowercase().replace('_', "-"))
-            .collect();
-        Err(Error::Missing {
-            light: job.name.to_owned(),
-            method: job.shadow.method().name().to_owned(),
-            features: missing.join(", "),
-            instead: need.instead.clone(),
-        })
-    }
 }
 
 /// A plan under way.
@@ -324,7 +298,7 @@ impl<'a> Execution<'a> {
         mut memory: Memory,
         plan: &ShadowPlan,
     ) -> Result<Self, Error> {
-        // What is shaded by a later plan may stand.
+        // A later plan may be shaded by textures that stand.
         if plan.asks.is_empty() {
             memory.let_go(plan);
         }
@@ -441,7 +415,7 @@ impl<'a> Execution<'a> {
         Ok((record, touches))
     }
 
-    /// What the shader of `pass` depends on, textures and buffers that passes fill apart.
+    /// The shader of `pass` and all that it depends on, textures and buffers that passes fill apart.
     fn shader(&self, pass: &Pass, permutation: &Permutation, plan: &ShadowPlan) -> Shader {
         let bindings = &permutation.reflection.bindings;
         let reads = |name: &str| bindings.iter().any(|binding| binding.name == name);
@@ -531,7 +505,8 @@ impl<'a> Execution<'a> {
             unfiltered: unfiltered(&[&given]),
             ..DrawState::NOTHING
         };
-        let pipeline = self.shared.pipeline(&composed.permutation, state, &[])?;
+        let pipeline = self.shared.pipeline(&composed.permutation, state, &[]);
+        let pipeline = pipeline.map_err(|error| error.in_pass(self.job))?;
         let groups = self.groups(&pipeline.program, &given)?;
         let colors: Vec<_> = colors.iter().map(attachment).collect();
         let mut recorded = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -591,95 +566,6 @@ impl<'a> Execution<'a> {
         let groups = bind::groups(self.shared.gpu(), program, &[given], &[]);
         groups.map_err(|error| error.in_pass(self.job))
     }
-}
-
-/// The plan of the job's parts. They are anybody's: one that panics is no reason for the engine to end.
-fn plan(job: &Job<'_>) -> Result<ShadowPlan, Error> {
-    let method = job.shadow.method();
-    // A part has no state to be left broken.
-    let planned = catch_unwind(AssertUnwindSafe(|| method.plan(job.frame)));
-    let light = job.name.to_owned();
-    let planned = planned.map_err(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str);
-        let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
-        let mut parts = format!("method `{}`", method.name());
-        for (kind, part) in [
-            ("depths", job.frame.depth.map(Part::name)),
-            ("filter", job.frame.filter.map(Part::name)),
-        ] {
-            parts.extend(part.map(|part| format!(" with {kind} `{part}`")));
-        }
-        Error::Panicked {
-            light: light.clone(),
-            parts,
-            said: said.unwrap_or("no words").to_owned(),
-        }
-    })?;
-    planned.map_err(|source| Error::Plan { light, source })
-}
-
-/// Whether what a plan tells of its filter and its reach are numbers.
-fn check_numbers(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
-    let (radius, distance) = (plan.filter_radius, plan.shadow_distance);
-    let problem = if !(radius >= 0.0 && radius.is_finite()) {
-        format!("a filter's radius of {radius} texels")
-    } else if let Some(distance) = distance.filter(|distance| distance.is_nan()) {
-        format!("a shadow distance of {distance} m")
-    } else {
-        return Ok(());
-    };
-    Err(bad_plan(job, &problem))
-}
-
-/// Whether the engine gives the camera's depth that a pass reads, as large as it says.
-fn check_camera_depth(job: &Job<'_>, pass: &Pass) -> Result<(), Error> {
-    let light = job.name.to_owned();
-    let Some(depth) = &job.camera_depth else {
-        return Err(Error::NoDepth {
-            light,
-            method: job.shadow.method().name().to_owned(),
-            pass: pass.shader().to_owned(),
-        });
-    };
-    let texture = depth.view.texture();
-    let (size, told) = ([texture.width(), texture.height()], job.frame.camera_depth);
-    let problem = if !texture.format().has_depth_aspect() {
-        format!("is of {:?}: give a view of depth", texture.format())
-    } else if texture.sample_count() > 1 {
-        "has several samples a texel: resolve it first".to_owned()
-    } else if told != Some(size) {
-        format!(
-            "is {} by {} texels, and the frame tells of {told:?}: have it tell that (`Frame::camera_depth`)",
-            size[0], size[1]
-        )
-    } else {
-        return Ok(());
-    };
-    Err(Error::BadDepth { light, problem })
-}
-
-/// Whether what a plan asks about are buffers that its passes write, and whether it asks too often.
-fn check_question(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
-    let Some(first) = plan.asks.first() else {
-        return Ok(());
-    };
-    let written = |name: &String| {
-        let mut passes = plan.passes.iter().flat_map(Pass::writes);
-        let holds = |desc: &BufferDesc| {
-            desc.name == *name && matches!(desc.contents, BufferContents::Written(_))
-        };
-        plan.buffers.iter().any(holds) && passes.any(|written| written == name)
-    };
-    let problem = if let Some(name) = plan.asks.iter().find(|name| !written(name)) {
-        format!("a question about `{name}`, which is no buffer that its passes write")
-    } else if job.frame.answers.questions() >= MAX_QUESTIONS {
-        format!(
-            "one more question, about `{first}`, where {MAX_QUESTIONS} were answered: so many may follow each other"
-        )
-    } else {
-        return Ok(());
-    };
-    Err(bad_plan(job, &problem))
 }
 
 fn set_viewport(pass: &mut wgpu::RenderPass<'_>, area: &Viewport) {

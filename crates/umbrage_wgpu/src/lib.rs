@@ -46,6 +46,7 @@
 //! A recorded pass counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
 
 mod bind;
+mod check;
 pub mod device;
 mod error;
 mod execute;
@@ -57,6 +58,7 @@ mod record;
 mod resources;
 mod shadow;
 mod targets;
+mod touches;
 
 pub use bind::{Gpu, Groups, Resource, groups};
 pub use error::{Error, TooLarge};

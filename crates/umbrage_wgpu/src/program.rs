@@ -152,13 +152,23 @@ impl Pipeline {
     /// The pipeline that draws vertices in buffers of these layouts with `permutation`.
     ///
     /// # Errors
-    /// A binding that no render pass can have.
+    /// A binding that no render pass can have, or a colour that the shader does not give.
     pub fn new(
         device: &wgpu::Device,
         permutation: Arc<Permutation>,
         state: &DrawState,
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Self, Error> {
+        let given = colors(&permutation);
+        let written = (0..).zip(&state.colors);
+        let mut written = written.filter(|(_, color)| !color.channels.is_empty());
+        if let Some((location, _)) = written.find(|(location, _)| !given.contains(location)) {
+            return Err(Error::Colors {
+                key: permutation.key.to_string(),
+                location,
+                targets: state.colors.len(),
+            });
+        }
         let program = Program::new(device, permutation, &state.unfiltered)?;
         let module = &program.module;
         let entry = |stage| program.permutation.reflection.entry_point(stage);
@@ -250,6 +260,28 @@ pub fn vertices_read<'a>(
     let all = layouts.iter().enumerate();
     let read = all.filter(|(_, layout)| is_read(layout));
     read.map(|(place, layout)| (place, layout.clone())).unzip()
+}
+
+/// The locations at which a fragment gives colours.
+fn colors(permutation: &Permutation) -> BTreeSet<u32> {
+    let module = &permutation.module;
+    let is_fragment =
+        |entry: &&wgpu::naga::EntryPoint| entry.stage == wgpu::naga::ShaderStage::Fragment;
+    let entry = module.entry_points.iter().find(is_fragment);
+    let Some(result) = entry.and_then(|entry| entry.function.result.as_ref()) else {
+        return BTreeSet::new();
+    };
+    let location = |binding: &Option<wgpu::naga::Binding>| match binding {
+        Some(wgpu::naga::Binding::Location { location, .. }) => Some(*location),
+        _ => None,
+    };
+    match &module.types[result.ty].inner {
+        wgpu::naga::TypeInner::Struct { members, .. } => members
+            .iter()
+            .filter_map(|member| location(&member.binding))
+            .collect(),
+        _ => location(&result.binding).into_iter().collect(),
+    }
 }
 
 /// Whether a fragment asks which side of its triangle is seen.

@@ -11,7 +11,7 @@ use crate::{
     resources::{Buffers, Textures},
 };
 
-/// What is filled as a whole: a layer and a mip level of a texture, or a buffer, as layer and level 0.
+/// A part that is filled as a whole: a layer and a mip level of a texture, or a buffer, as layer and level 0.
 pub(crate) type Place = (String, u32, u32);
 
 /// All that a pass's outcome depends on, but for the textures and buffers that it reads.
@@ -41,7 +41,7 @@ pub(crate) struct Shader {
 /// The passes into each place, in order.
 pub(crate) type Drawn = BTreeMap<Place, Vec<Record>>;
 
-/// What a pass writes, and what of the plan's textures and buffers it reads.
+/// Places that a pass writes and reads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Touches {
     pub(crate) writes: Vec<Place>,

@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbrage_shadow::{
-    BufferContents, BufferDesc, Constants, Contents, Pass, Reads, Region, SamplerDesc, ShadowPlan,
+    BufferContents, BufferDesc, Constants, Contents, Pass, Region, SamplerDesc, ShadowPlan,
     TextureDesc, TextureShape, Value,
 };
 
-use crate::{Error, Job, Unfiltered, device, program::STORED, targets::bad_plan};
+use crate::{Error, Job, Unfiltered, check::bad_plan, device, program::STORED};
 
 /// Resources of `calc_shadow`, or of a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]
@@ -87,7 +87,7 @@ pub(crate) fn textures(
     Ok((textures, new))
 }
 
-/// What an error calls a resource.
+/// A resource as errors call it.
 fn what(job: &Job<'_>, kind: &str, name: &str) -> String {
     let (light, method) = (job.name, job.shadow.method().name());
     format!("light `{light}`, method `{method}`: the {kind} `{name}`")
@@ -128,23 +128,6 @@ pub(crate) fn buffers(
         buffers.insert(desc.name.clone(), buffer);
     }
     Ok((buffers, new))
-}
-
-/// Whether each of the plan's textures and buffers has a name of its own.
-pub(crate) fn check_names(job: &Job<'_>, plan: &ShadowPlan) -> Result<(), Error> {
-    let textures = plan.textures.iter().map(|desc| &desc.name);
-    let buffers = plan.buffers.iter().map(|desc| &desc.name);
-    let mut known = BTreeSet::from([Reads::CAMERA_DEPTH]);
-    match textures.chain(buffers).find(|name| !known.insert(name)) {
-        Some(name) => {
-            let problem = format!(
-                "two textures or buffers `{name}` (`{}` is the camera's)",
-                Reads::CAMERA_DEPTH
-            );
-            Err(bad_plan(job, &problem))
-        }
-        None => Ok(()),
-    }
 }
 
 /// Resources of a plan, its constants and regions apart.

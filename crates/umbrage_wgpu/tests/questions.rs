@@ -96,7 +96,7 @@ fn sums() -> ShadowPlan {
     plan
 }
 
-/// What is asked comes back, stands from frame to frame, and is planned with.
+/// Answers come back, stand from frame to frame, and are planned with.
 #[test]
 fn what_passes_wrote_comes_back() {
     let mut lab = Lab::new(&[("sum", SUM), ("twice", TWICE)], |frame| {
@@ -148,7 +148,7 @@ fn what_passes_wrote_comes_back() {
     assert!(last.question.is_none());
 }
 
-/// What a later plan is shaded by stands, whatever is asked before it in each frame, and with answers of a frame before.
+/// A later plan's outcome stands, whatever is asked before it in each frame, and with answers of a frame before.
 #[test]
 fn what_is_shaded_by_stands_while_questions_are_asked() {
     let mut lab = Lab::new(&[("sum", SUM), ("twice", TWICE)], |frame| {

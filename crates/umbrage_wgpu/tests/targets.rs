@@ -350,7 +350,7 @@ fn the_nearest_depth_is_the_order_s() {
             }],
             buffers: vec![written("found", 2)],
             passes: vec![
-                // What stood is gone, of this frame as of the one before.
+                // Gone with the pass that clears.
                 caster(0.9375, false),
                 caster(0.0625, false),
                 caster(0.75, true),
@@ -595,6 +595,13 @@ fn layers_that_do_not_fit_are_told() {
                 "`paint` draws twice into level 0 of layer 0 of `reds`",
             ),
             (|plan| plan.textures[1].width = 4, "both must be as large"),
+            (
+                |plan| {
+                    let third = color("reds", 1, ColorWrites::RED);
+                    casters(plan, 0).colors.push(third);
+                },
+                "pass=paint gives no colour at location 2, and 3 colours are drawn into",
+            ),
             (
                 |plan| plan.textures[0].empty = f32::NAN,
                 "the texture `reds`, empty at NaN: a finite number, of depth from 0 to 1, is needed",

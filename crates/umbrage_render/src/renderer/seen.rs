@@ -1,4 +1,4 @@
-//! What the camera sees, before any light is added: each pixel's plane.
+//! Each pixel's plane, as the camera sees it before any light is added.
 
 use glam::Vec3;
 use umbrage_wgpu::DrawState;

@@ -169,7 +169,7 @@ impl Lab {
         refused.err().expect("refused").to_string()
     }
 
-    /// What a question's buffers hold.
+    /// The answers to a question.
     pub(crate) fn answer(&self, question: &Question) -> Answers {
         let buffer = question.buffer();
         buffer.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("mapped"));

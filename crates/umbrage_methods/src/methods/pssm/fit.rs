@@ -24,7 +24,7 @@ pub(super) struct Job<'a> {
     pub lookup: Lookup,
     pub transition: Transition,
     stable: bool,
-    /// What bounds the depths that are split.
+    /// Bounds of the depths that are split.
     pub range: Range,
 }
 

@@ -1,4 +1,4 @@
-//! What bounds the depths that are split: the axis `range`.
+//! Bounds of the depths that are split: the axis `range`.
 
 use umbrage_shadow::{
     BufferContents, BufferDesc, ComputePass, Frame, Pass, PlanError, Reads, ShadowPlan,
@@ -11,14 +11,14 @@ const BUFFER: &str = "seen_depths";
 /// Pixels along the side of a workgroup's block, as the shader has it.
 const BLOCK: u32 = 64;
 
-/// What bounds the depths that are split.
+/// Bounds of the depths that are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Range {
     /// The receivers' boxes.
     Boxes,
-    /// What pixels see, which is not known yet.
+    /// The depths that pixels see, which are not known yet.
     Unknown,
-    /// What pixels see: the least and the greatest view depth, metres.
+    /// The depths that pixels see: the least and the greatest view depth, metres.
     Seen([f64; 2]),
 }
 
