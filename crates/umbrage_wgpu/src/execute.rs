@@ -391,11 +391,9 @@ impl<'a> Execution<'a> {
             if !pass.view_proj.is_finite() {
                 return Err(self.bad("casters under a matrix that is not finite"));
             }
-            let casters = pass
-                .casters
-                .iter()
-                .map(|i| self.job.casters.get(*i).copied());
-            let casters = casters.collect::<Option<Vec<_>>>();
+            let bounds = self.job.frame.casters.casters;
+            let one = |i: &usize| Some((*self.job.casters.get(*i)?, *bounds.get(*i)?));
+            let casters = pass.casters.iter().map(one).collect::<Option<Vec<_>>>();
             record.casters = casters.ok_or_else(|| self.bad("a caster that there is not"))?;
             let choices = self.job.choices.iter();
             record.choices = choices

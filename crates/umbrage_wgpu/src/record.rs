@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use umbrage_compose::ProjectedKey;
-use umbrage_shadow::{BufferDesc, Constants, Pass, SamplerDesc, ShadowPlan};
+use umbrage_shadow::{Aabb, BufferDesc, Constants, Pass, SamplerDesc, ShadowPlan};
 
 use crate::{
     Identity,
@@ -20,8 +20,9 @@ pub(crate) struct Record {
     pub(crate) pass: Pass,
     /// The place that positions are relative to.
     pub(crate) origin: DVec3,
-    /// The casters drawn, and the values that their shaders are chosen by.
-    pub(crate) casters: Vec<Identity>,
+    /// The casters drawn, with their bounds (one that moved is another, whatever its revision), and the values that their
+    /// shaders are chosen by.
+    pub(crate) casters: Vec<(Identity, Aabb)>,
     pub(crate) choices: Vec<(String, String)>,
     /// Of a pass without casters.
     pub(crate) shader: Option<Shader>,

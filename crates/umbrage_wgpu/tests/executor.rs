@@ -91,6 +91,8 @@ struct Studio {
     engine: Engine,
     executor: Executor,
     library: Library,
+    /// Height of the box, metres.
+    height: f64,
 }
 
 impl Studio {
@@ -108,6 +110,7 @@ impl Studio {
                 drawn: 0,
             },
             library,
+            height: 2.0,
         }
     }
 
@@ -127,7 +130,7 @@ impl Studio {
         let view = View::perspective(DVec3::Y, DVec3::NEG_Z, (1.0, 1.5), [0.1, 100.0]);
         let shadow = Shadow::new("basic").with("filter", filter);
         let shadow = shadow.check(parts, &self.library).expect("parts");
-        let bounds = [Aabb::new([-1.0, 0.0, -6.0], [1.0, 2.0, -5.0])];
+        let bounds = [Aabb::new([-1.0, 0.0, -6.0], [1.0, self.height, -5.0])];
         let constants = light.constants(view.position);
         let job = Job {
             light: number,
@@ -259,4 +262,36 @@ fn what_goes_wrong_is_told_and_nothing_wrong_is_kept() {
     studio.engine.refuses = false;
     let done = studio.shadow(&ours(), (0, "pcf"), 1).expect("a shadow");
     assert_eq!(done.runs, [Run::Recorded]);
+}
+
+/// An engine that tells of another box and not of another revision is not believed: its map would stand for the old one.
+#[test]
+fn a_caster_that_moves_is_drawn_again_whatever_its_revision() {
+    let mut studio = Studio::new();
+    // The ground's map is the same: the box is a part of it.
+    let runs = |studio: &mut Studio| {
+        let done = studio.shadow(&ours(), (0, "pcf"), 1).expect("a shadow");
+        done.runs
+    };
+    assert_eq!(runs(&mut studio), [Run::Recorded]);
+    assert_eq!(runs(&mut studio), [Run::Kept]);
+    studio.height = 1.999;
+    assert_eq!(runs(&mut studio), [Run::Recorded]);
+    assert_eq!(runs(&mut studio), [Run::Kept]);
+}
+
+/// A lost device ends nothing: errors or nothing come of it, and another executor has another device.
+#[test]
+fn a_lost_device_makes_no_panic() {
+    let mut studio = Studio::new();
+    studio.shadow(&ours(), (0, "hpsm"), 1).expect("a shadow");
+    studio.engine.device.destroy();
+    for light in 0..2 {
+        if let Err(error) = studio.shadow(&ours(), (light, "hpsm"), 1) {
+            assert!(error.to_string().contains("sun"), "{error}");
+        }
+        studio.executor.forget(light);
+    }
+    let mut other = Studio::new();
+    other.shadow(&ours(), (0, "hpsm"), 1).expect("a shadow");
 }
