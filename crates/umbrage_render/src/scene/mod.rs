@@ -206,7 +206,7 @@ impl Scene {
 
     /// Whether `light`, one of the scene's, casts shadows: if it has a `shadow` whose method is not `none`. A scene in which
     /// no light has a `shadow` leaves it open: there all cast as soon as a method is brought to them
-    /// ([`RenderOptions::method`](crate::RenderOptions::method), a comparison), and in the truth. The shadow term of a light
+    /// ([`RenderOptions::shadow`](crate::RenderOptions::shadow), a comparison), and in the truth. The shadow term of a light
     /// that casts none is 1.
     pub fn casts_shadow(&self, light: &SceneLight) -> bool {
         match &light.shadow {
