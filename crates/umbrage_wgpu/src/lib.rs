@@ -43,7 +43,9 @@
 //! name with [`groups`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
 //!
 //! # Encoders that are not submitted
-//! A recorded pass counts as drawn. Where an encoder is dropped, or the device is lost, [forget](Executor::forget) it.
+//! A recorded pass counts as drawn. Where an encoder is dropped, [forget](Executor::forget) the light. Of a device that is
+//! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
+//! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
 mod bind;
 mod check;
