@@ -159,7 +159,7 @@ pub use link_file::link_file;
 pub use manifest::Manifest;
 pub use overrides::{InSpirv, Override, OverrideType};
 pub use package::Package;
-pub use pass::{Blend, Depth, Over, Pass, Purpose};
+pub use pass::{Blend, Depth, Factor, Over, Pass, Purpose};
 pub use permutation::Permutation;
 pub use reflect::{
     Binding, BindingKind, EntryPoint, Layout, Member, MemberType, Reflection, Scalar, Stage,

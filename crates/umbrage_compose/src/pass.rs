@@ -59,6 +59,29 @@ pub enum Blend {
     Multiply,
 }
 
+/// Factor of a colour where two meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factor {
+    /// It counts for nothing.
+    Zero,
+    /// It counts as it is.
+    One,
+    /// It counts times what is drawn.
+    Drawn,
+}
+
+impl Blend {
+    /// Factors of what is drawn and of what is there, which are then added up, in all channels; none where what is drawn takes
+    /// the other's place.
+    pub fn factors(self) -> Option<[Factor; 2]> {
+        match self {
+            Self::Replace => None,
+            Self::Add => Some([Factor::One, Factor::One]),
+            Self::Multiply => Some([Factor::Zero, Factor::Drawn]),
+        }
+    }
+}
+
 /// A pass's use of the depth that is there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum Depth {

@@ -1,6 +1,6 @@
 //! How a pass draws, apart from its shader, so far as that changes what the shader is compiled to.
 
-use umbrage_compose::{Blend, Depth, Permutation, Stage};
+use umbrage_compose::{Depth, Factor, Permutation, Stage};
 use wgpu_types::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, CompareFunction, Face, FrontFace,
     TextureFormat,
@@ -63,11 +63,7 @@ impl PipelineState {
         let Some(pass) = permutation.pass else {
             return state;
         };
-        let blend = match pass.blend {
-            Blend::Replace => None,
-            Blend::Add => Some(blend(BlendFactor::One, BlendFactor::One)),
-            Blend::Multiply => Some(blend(BlendFactor::Dst, BlendFactor::Zero)),
-        };
+        let blend = pass.blend.factors().map(blend);
         for color in state.colors.iter_mut().flatten() {
             color.blend = blend;
         }
@@ -80,7 +76,12 @@ impl PipelineState {
 }
 
 /// The sum of what is drawn and what is there, times their factors.
-const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
+fn blend(factors: [Factor; 2]) -> BlendState {
+    let [src_factor, dst_factor] = factors.map(|factor| match factor {
+        Factor::Zero => BlendFactor::Zero,
+        Factor::One => BlendFactor::One,
+        Factor::Drawn => BlendFactor::Src,
+    });
     let sum = BlendComponent {
         src_factor,
         dst_factor,

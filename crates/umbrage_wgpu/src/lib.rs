@@ -68,7 +68,7 @@ pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
-    ADD, ColorState, Computation, DrawState, MAX, MULTIPLY, Pipeline, Program, STORED, Unfiltered,
+    ColorState, Computation, DrawState, MAX, Pipeline, Program, STORED, Unfiltered, blend_state,
     reads_facing, vertices_read,
 };
 pub use question::Question;

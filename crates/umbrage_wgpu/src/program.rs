@@ -2,7 +2,9 @@
 
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
-use umbrage_compose::{Binding, BindingKind, Permutation, Stage, TextureDimension, TextureSample};
+use umbrage_compose::{
+    Binding, BindingKind, Blend, Factor, Permutation, Stage, TextureDimension, TextureSample,
+};
 
 use crate::Error;
 
@@ -216,22 +218,20 @@ impl Pipeline {
     }
 }
 
-/// Adds what is drawn to what is there.
-pub const ADD: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Add);
+/// State for a pass's blend; none where what is drawn takes the other's place.
+pub fn blend_state(blend: Blend) -> Option<wgpu::BlendState> {
+    let factors = blend.factors()?.map(|factor| match factor {
+        Factor::Zero => wgpu::BlendFactor::Zero,
+        Factor::One => wgpu::BlendFactor::One,
+        Factor::Drawn => wgpu::BlendFactor::Src,
+    });
+    Some(blended(factors, wgpu::BlendOperation::Add))
+}
 
-/// Keeps the larger one, channel by channel.
-pub const MAX: wgpu::BlendState = blend(ONES, wgpu::BlendOperation::Max);
+/// Keeps the larger one, channel by channel. WebGPU allows no other factors.
+pub const MAX: wgpu::BlendState = blended([wgpu::BlendFactor::One; 2], wgpu::BlendOperation::Max);
 
-/// Multiplies what is there with what is drawn.
-pub const MULTIPLY: wgpu::BlendState = blend(
-    [wgpu::BlendFactor::Zero, wgpu::BlendFactor::Src],
-    wgpu::BlendOperation::Add,
-);
-
-/// With `Max`, WebGPU allows no other factors.
-const ONES: [wgpu::BlendFactor; 2] = [wgpu::BlendFactor::One; 2];
-
-const fn blend(
+const fn blended(
     [src_factor, dst_factor]: [wgpu::BlendFactor; 2],
     operation: wgpu::BlendOperation,
 ) -> wgpu::BlendState {

@@ -73,11 +73,16 @@ impl Host for Engine {
         let key = &pipeline.program.permutation.key;
         let one = Constants::new().with("model", glam::Mat4::IDENTITY);
         let one = vec![one.with("normal", glam::Mat4::IDENTITY).into()].into();
-        let group = pipeline.program.bind(gpu.0, 3, |binding| {
+        let has = |group: &usize| {
+            let mut bindings = pipeline.program.bindings(*group);
+            bindings.any(|binding| binding.name == "instances")
+        };
+        let objects = (0..4).find(has).expect("a group of objects");
+        let group = pipeline.program.bind(gpu.0, objects, |binding| {
             Resource::storage(gpu, key, binding, &one)
         })?;
         let pass = draws.pass();
-        pass.set_bind_group(3, &group, &[]);
+        pass.set_bind_group(objects as u32, &group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
         for _ in casters {
             pass.draw(0..3, 0..1);
@@ -97,8 +102,14 @@ struct Studio {
 
 impl Studio {
     fn new() -> Self {
+        Self::with_groups(&[])
+    }
+
+    /// An engine whose bind groups have these numbers.
+    fn with_groups(groups: &[(u32, u32)]) -> Self {
         let (device, queue) = headless::device().expect("a device");
         let package = umbrage_shader_lib::package().expect("the shader library");
+        let package = package.with_groups(groups.iter().copied());
         let library = Library::new([package]).expect("the library");
         let composer = Arc::new(Composer::new(library.clone(), Target::webgpu()));
         Self {
@@ -299,4 +310,18 @@ fn a_lost_device_makes_no_panic() {
     }
     let mut other = Studio::new();
     other.shadow(&ours(), (0, "hpsm"), 1).expect("a shadow");
+}
+
+/// Passes run whatever the numbers of an engine's groups.
+#[test]
+fn groups_have_the_engines_numbers() {
+    for groups in [[(0, 1), (1, 0), (3, 2)], [(0, 3), (1, 2), (3, 0)]] {
+        let mut studio = Studio::with_groups(&groups);
+        for (light, filter) in [(0, "hpsm"), (1, "esm")] {
+            let done = studio.shadow(&ours(), (light, filter), 1);
+            let runs = done.expect("a shadow").runs;
+            assert!(runs.len() > 1 && runs.iter().all(|run| *run == Run::Recorded));
+        }
+        assert_eq!(studio.engine.drawn, 2);
+    }
 }

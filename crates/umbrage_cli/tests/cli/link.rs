@@ -1,6 +1,6 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::{faulty_package, path_in, refusal, stderr, stdout, umbrage, write};
+use super::{faulty_package, path_in, refusal, root, stderr, stdout, umbrage, write};
 
 fn link(args: &[&str]) -> String {
     let mut all = vec!["link"];
@@ -41,6 +41,19 @@ fn a_module_with_what_it_reaches() {
         "LAMP",
     ]);
     assert!(said.contains("bad.wesl:2"), "{said}");
+}
+
+/// The command that README.md gives.
+#[test]
+fn the_front_page_links() {
+    let page = std::fs::read_to_string(root().join("README.md")).expect("the front page");
+    let page = page.replace("\\\n", " ");
+    let mut commands = page.lines().filter_map(|line| {
+        let words = line.strip_prefix("cargo run --bin umbrage -- link ")?;
+        Some(words.split_whitespace().collect::<Vec<_>>())
+    });
+    let words = commands.next().expect("a command");
+    assert!(link(&words).contains("calc_shadow"));
 }
 
 #[test]

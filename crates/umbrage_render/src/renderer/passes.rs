@@ -1,7 +1,7 @@
 //! Passes as the shader library describes them.
 
-use umbrage_compose::{Blend, Depth, Purpose};
-use umbrage_wgpu::{ADD, MULTIPLY};
+use umbrage_compose::{Depth, Purpose};
+use umbrage_wgpu::blend_state;
 
 use super::Renderer;
 use crate::RenderError;
@@ -36,11 +36,7 @@ impl Renderer {
         Ok(NamedPass {
             name,
             purpose: pass.purpose,
-            blend: match pass.blend {
-                Blend::Replace => None,
-                Blend::Add => Some(ADD),
-                Blend::Multiply => Some(MULTIPLY),
-            },
+            blend: blend_state(pass.blend),
             writes_depth: pass.depth == Depth::Written,
         })
     }
