@@ -100,7 +100,7 @@ mod tests {
             let mut rows: Vec<Row> = rows
                 .into_iter()
                 .map(|(scene, error, time_ratio, memory_bytes)| {
-                    let mut row = crate::report::tests::stage::row(&scene.to_string(), "basic", "a");
+                    let mut row = crate::report::tests::rows::row(&scene.to_string(), "basic", "a");
                     row.figures.false_lit = error;
                     row.figures.false_shadow = 0.0;
                     row.time_ratio = time_ratio;

@@ -103,7 +103,7 @@ fn by_name(a: &Row, b: &Row) -> std::cmp::Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tests::stage::measured;
+    use crate::report::tests::rows::measured;
 
     fn named<'a>(choices: &[Choice<'a>]) -> Vec<(&'a str, usize)> {
         choices

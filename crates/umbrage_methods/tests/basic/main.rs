@@ -2,7 +2,8 @@
 
 #![allow(clippy::panic, reason = "a helper that panics fails its test")]
 
-mod scene;
+#[path = "../common/mod.rs"]
+mod common;
 mod shader;
 
 use glam::{DMat4, DQuat, DVec2, DVec3, DVec4};
@@ -11,7 +12,7 @@ use umbrage_methods::registry;
 use umbrage_shadow::*;
 use umbrage_testkit::twins::BasicTwin;
 
-use crate::scene::{Scene, casters, matrix, pair, plan};
+use crate::common::{Scene, matrix, pair, passes};
 
 fn is_finite(plan: &ShadowPlan) -> bool {
     let constants = [
@@ -26,7 +27,7 @@ fn is_finite(plan: &ShadowPlan) -> bool {
         Some(Value::Vec3(value)) => value.is_finite(),
         Some(Value::Vec2(value)) => value.is_finite(),
         _ => true,
-    }) && casters(plan).iter().all(|pass| pass.view_proj.is_finite())
+    }) && passes(plan).iter().all(|pass| pass.view_proj.is_finite())
 }
 
 fn vector(range: f64) -> impl Strategy<Value = DVec3> {
@@ -72,16 +73,14 @@ fn scene() -> impl Strategy<Value = Scene> {
     let size = prop::sample::select(vec![1.0, 2.0, 7.0, 512.0, 2048.0]);
     (light(), boxes(), boxes(), camera, size, 0u32..8).prop_map(
         |(kind, casters, receivers, (position, yaw, pitch), resolution, half)| {
-            let mut scene = Scene::new(kind);
+            let mut scene = Scene::basic(kind);
+            scene.set("resolution", resolution);
+            scene.choose("pcf", &(2 * half + 1).to_string());
             scene.view.position = position;
             scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
-            Scene {
-                casters,
-                receivers,
-                resolution,
-                width: 2 * half + 1,
-                ..scene
-            }
+            scene.casters = casters;
+            scene.receivers = receivers;
+            scene
         },
     )
 }
@@ -150,9 +149,9 @@ proptest! {
         scene in scene(), casts in any::<bool>(), samples in prop::collection::vec(vector(1.0), 16),
     ) {
         let scene = if casts { casting(scene) } else { scene };
-        let plan = plan(&scene)?;
+        let plan = scene.plan_with("basic")?;
         prop_assert!(is_finite(&plan));
-        let passes = casters(&plan);
+        let passes = passes(&plan);
         for point in seen(&scene, &samples) {
             if !may_be_shaded(&scene, point) {
                 continue;
@@ -163,8 +162,8 @@ proptest! {
             // A cube's faces cannot be fitted, though only one may be drawn.
             if !matches!(scene.light.kind, LightKind::Point { .. }) {
                 // The filter's texels are inside too.
-                let texels = (0.5 * f64::from(scene.width) + 1.0).min(0.2 * scene.resolution);
-                let inner = 1.0 - 2.0 * texels / scene.resolution;
+                let texels = (0.5 * scene.width() + 1.0).min(0.2 * scene.settings["resolution"]);
+                let inner = 1.0 - 2.0 * texels / scene.settings["resolution"];
                 prop_assert!(at.truncate().abs().max_element() <= inner, "{at} {inner}");
             }
         }
@@ -190,9 +189,9 @@ proptest! {
         let half = DVec3::new(10.0, 1.0, 0.0) * half.abs();
         let around = |p: &DVec3| Aabb { min: origin + p - half, max: origin + p + half };
         scene.casters = between.iter().map(around).collect();
-        let plan = plan(&scene)?;
+        let plan = scene.plan_with("basic")?;
         for (i, there) in between.iter().enumerate() {
-            let drawn = casters(&plan).iter().any(|pass| {
+            let drawn = passes(&plan).iter().any(|pass| {
                 let at = draws(pass, *there);
                 at.is_some_and(|at| (0.0..=1.0).contains(&at.z)) && pass.casters.contains(&i)
             });
@@ -215,9 +214,9 @@ proptest! {
             *position = snap(*position);
         }
         let moved = scene.transformed(1.0, DVec3::new(1e6, -1e6, 1e6));
-        let (near, far) = (plan(&scene)?, plan(&moved)?);
+        let (near, far) = (scene.plan_with("basic")?, moved.plan_with("basic")?);
         prop_assert_eq!(near.passes.len(), far.passes.len());
-        for (a, b) in casters(&near).iter().zip(casters(&far)) {
+        for (a, b) in passes(&near).iter().zip(passes(&far)) {
             let size = a.view_proj.to_cols_array().iter().fold(0f32, |m, x| m.max(x.abs()));
             prop_assert!(a.view_proj.abs_diff_eq(b.view_proj, 1e-5 * size));
             prop_assert_eq!(&a.casters, &b.casters);
@@ -227,9 +226,9 @@ proptest! {
     #[test]
     fn any_scale_will_do(scene in scene(), scale in prop::sample::select(vec![1e-3, 1e4])) {
         let scaled = scene.transformed(scale, DVec3::ZERO);
-        let (plan, scaled) = (plan(&scene)?, plan(&scaled)?);
+        let (plan, scaled) = (scene.plan_with("basic")?, scaled.plan_with("basic")?);
         prop_assert!(is_finite(&scaled));
-        for (a, b) in casters(&plan).iter().zip(casters(&scaled)) {
+        for (a, b) in passes(&plan).iter().zip(passes(&scaled)) {
             let matrix = b.view_proj.as_dmat4() * DMat4::from_scale(DVec3::splat(scale));
             // Rows, each to its own size: only their ratios to w matter.
             let weight = b.view_proj.row(3).length() as f64 * scale.min(1.0);
@@ -244,7 +243,7 @@ proptest! {
         if matches!(scene.light.kind, LightKind::Point { .. }) {
             return Ok(());
         }
-        let plan = plan(&scene)?;
+        let plan = scene.plan_with("basic")?;
         let Some(point) = seen(&scene, &[DVec3::ZERO]).first().copied() else { return Ok(()) };
         let normal = normal.normalize_or(DVec3::Y);
         let (to_map, plane_to_map) = (matrix(&plan, "world_to_map"), matrix(&plan, "plane_to_map"));
@@ -264,12 +263,14 @@ proptest! {
     /// The difference between two biases is what their texels say, in metres.
     #[test]
     fn a_bias_is_a_number_of_texels(scene in scene(), texels in 0.25..4.0) {
-        let mut scene = Scene { resolution: 512.0, depth_bias: 0.0, ..casting(scene) };
-        let none = plan(&scene)?;
-        scene.depth_bias = texels;
-        let some = plan(&scene)?;
+        let mut scene = casting(scene);
+        scene.set("resolution", 512.0);
+        scene.set("depth_bias", 0.0);
+        let none = scene.plan_with("basic")?;
+        scene.set("depth_bias", texels);
+        let some = scene.plan_with("basic")?;
         let Some(point) = seen(&scene, &[DVec3::ZERO]).first().copied() else { return Ok(()) };
-        let at = casters(&none).iter().find_map(|pass| Some((pass.clone(), draws(pass, point)?)));
+        let at = passes(&none).iter().find_map(|pass| Some((pass.clone(), draws(pass, point)?)));
         let Some((pass, at)) = at else { return Err(TestCaseError::fail("beside the map")) };
         let biased = |plan: &ShadowPlan| at.z + pair(plan, "bias").x + pair(plan, "bias").y * at.z;
         let place = |z: f64| pass.view_proj.as_dmat4().inverse().project_point3(at.with_z(z));
@@ -309,13 +310,13 @@ fn casters_that_cannot_shade_are_not_drawn() {
             range: 30.0,
         },
     ] {
-        let mut scene = Scene::new(kind);
+        let mut scene = Scene::basic(kind);
         scene.receivers = vec![cube(receiver)];
         scene.casters = [below, above, aside + above]
             .map(|p| cube(receiver + p))
             .to_vec();
-        let plan = plan(&scene).expect("a plan");
-        let drawn: Vec<_> = casters(&plan)
+        let plan = scene.plan_with("basic").expect("a plan");
+        let drawn: Vec<_> = passes(&plan)
             .into_iter()
             .flat_map(|pass| pass.casters)
             .collect();
@@ -334,7 +335,7 @@ fn nothing_to_see_is_lit_and_free() {
             range: 1.0,
         },
     ] {
-        let plan = plan(&Scene::new(kind)).expect("a plan");
+        let plan = Scene::basic(kind).plan_with("basic").expect("a plan");
         assert!(plan.passes.is_empty());
         assert_eq!(plan.textures[0].width, 1);
         let twin = BasicTwin::new(&plan, 3, true).expect("a plan of basic's");
@@ -367,12 +368,12 @@ fn hard_boxes_have_finite_plans() {
     ] {
         for receiver in [point(seen), sky] {
             for caster in [point(seen), point(DVec3::ZERO), sky] {
-                let mut scene = Scene::new(kind.clone());
+                let mut scene = Scene::basic(kind.clone());
                 scene.receivers = vec![receiver];
                 scene.casters = vec![caster];
                 for resolution in [1.0, 16384.0] {
-                    scene.resolution = resolution;
-                    assert!(is_finite(&plan(&scene).expect("a plan")));
+                    scene.set("resolution", resolution);
+                    assert!(is_finite(&scene.plan_with("basic").expect("a plan")));
                 }
             }
         }
@@ -381,16 +382,16 @@ fn hard_boxes_have_finite_plans() {
 
 #[test]
 fn what_cannot_be_planned_is_named() {
-    let mut scene = Scene::new(LightKind::Directional {
+    let mut scene = Scene::basic(LightKind::Directional {
         direction: DVec3::NEG_Y,
     });
-    scene.width = 4;
-    let message = |scene: &Scene| plan(scene).err().map(|e| e.to_string());
+    scene.choose("pcf", "4");
+    let message = |scene: &Scene| scene.plan_with("basic").err().map(|e| e.to_string());
     assert_eq!(
         message(&scene).as_deref(),
         Some("the axis `pcf` is 4, but must be odd, 1 to 15")
     );
-    scene.width = 3;
+    scene.choose("pcf", "3");
     scene.receivers = vec![Aabb {
         min: DVec3::NAN,
         max: DVec3::ONE,

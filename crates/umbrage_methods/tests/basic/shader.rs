@@ -6,7 +6,7 @@ use glam::{DQuat, DVec2, DVec3};
 use umbrage_shadow::*;
 use umbrage_testkit::twins::BasicTwin;
 
-use crate::scene::{Scene, casters, matrix, plan};
+use crate::common::{Scene, matrix, passes};
 
 /// The shader's constant.
 const STEEPEST: f64 = 64.0;
@@ -42,7 +42,7 @@ fn planes_are_lit_and_covered() {
 }
 
 fn check_plane(kind: LightKind, tilt: f64, width: u32) {
-    let mut scene = Scene::new(kind.clone());
+    let mut scene = Scene::basic(kind.clone());
     let half = DVec3::new(1.0, 1.0, 1.0);
     let middle = DVec3::new(0.0, 0.0, -6.0);
     scene.receivers = vec![Aabb {
@@ -54,17 +54,17 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
         min: middle - half,
         max: middle + DVec3::new(1.0, 3.0, 1.0),
     }];
-    scene.width = width;
-    let plan = plan(&scene).expect("a plan");
+    scene.choose("pcf", &width.to_string());
+    let plan = scene.plan_with("basic").expect("a plan");
     let twin = BasicTwin::new(&plan, width, true).expect("a plan of basic's");
     // The receiver: a plane through the box's middle, tilted from facing up.
     let normal = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(tilt) * DVec3::Y;
-    let passes = casters(&plan);
+    let drawn = passes(&plan);
     let depth = |height: f64| {
-        let passes = &passes;
+        let drawn = &drawn;
         move |layer: u32, x: u32, y: u32| {
             // A layer without a pass is empty.
-            let Some(pass) = passes.iter().find(|pass| {
+            let Some(pass) = drawn.iter().find(|pass| {
                 pass.depth
                     .as_ref()
                     .is_some_and(|depth| depth.target.layer == layer)
@@ -122,7 +122,7 @@ fn check_plane(kind: LightKind, tilt: f64, width: u32) {
         };
         let reach = 2.0 + left * f64::from(width);
         let texels = reach * 2f64.sqrt() * slope + 4.0;
-        let size = texel(&passes, point);
+        let size = texel(&drawn, point);
         // Only where the filter's taps stay on the part of the plane that is in the box: the map ends with it.
         let drop = (0.5 * f64::from(width) + 1.5) * 2f64.sqrt() * slope * size;
         if drop > 1.0 - (point - middle).y.abs() {
@@ -162,7 +162,7 @@ fn texel(passes: &[CasterPass], point: DVec3) -> f64 {
 
 #[test]
 fn the_filter_is_a_box_of_bilinear_comparisons() {
-    let mut scene = Scene::new(LightKind::Directional {
+    let mut scene = Scene::basic(LightKind::Directional {
         direction: DVec3::NEG_Y,
     });
     scene.receivers = vec![Aabb {
@@ -171,8 +171,8 @@ fn the_filter_is_a_box_of_bilinear_comparisons() {
     }];
     scene.casters = scene.receivers.clone();
     for width in [1u32, 3, 5, 15] {
-        scene.width = width;
-        let plan = plan(&scene).expect("a plan");
+        scene.choose("pcf", &width.to_string());
+        let plan = scene.plan_with("basic").expect("a plan");
         let twin = BasicTwin::new(&plan, width, false).expect("a plan of basic's");
         let to_map = matrix(&plan, "world_to_map");
         for shift in [0.0, 0.2, 0.5, 0.9] {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use umbrage_shadow::*;
 use wgpu_types::{Features, TextureFormat};
 
-use crate::scene::{Scene, ground, lamp, passes, post, sun};
+use crate::common::{Scene, ground, lamp, passes, post, sun};
 
 fn scene(kind: LightKind, filter: &str, width: u32) -> Scene {
     let mut scene = Scene::new(kind);

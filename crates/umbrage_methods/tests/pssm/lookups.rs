@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3, Mat4, Vec4};
 use umbrage_shadow::*;
 
-use crate::scene::{Scene, ground, passes, post, sun};
+use crate::common::{Scene, ground, passes, post, sun};
 
 /// Texels and depth by the lookup named, as its shader finds them from the plan, in f32.
 fn place(plan: &ShadowPlan, lookup: &str, split: usize, position: DVec3) -> Vec4 {

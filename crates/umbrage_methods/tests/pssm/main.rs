@@ -3,16 +3,17 @@
 
 #![allow(clippy::panic, reason = "a helper that panics fails its test")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod esm;
 mod lookups;
-mod scene;
 
 use glam::{DQuat, DVec2, DVec3, Vec4Swizzles};
 use proptest::prelude::*;
 use umbrage_methods::methods::pssm::Pssm;
 use umbrage_shadow::*;
 
-use crate::scene::{Scene, ground, lamp, passes, post, sun};
+use crate::common::{Scene, ground, lamp, passes, post, sun};
 
 fn vector(range: f64) -> impl Strategy<Value = DVec3> {
     [-range..range, -range..range, -range..range].prop_map(DVec3::from)

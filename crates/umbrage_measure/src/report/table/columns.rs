@@ -435,7 +435,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::report::tests::stage::full_row;
+    use crate::report::tests::rows::full_row;
 
     /// The columns against the serialised row, so that a new figure is missed by this test and not by the
     /// reader.

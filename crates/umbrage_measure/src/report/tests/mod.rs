@@ -1,6 +1,6 @@
 //! The files of a report, as readers find them.
 
-pub(super) mod stage;
+pub(super) mod rows;
 
 use std::{collections::BTreeSet, fs};
 
@@ -13,7 +13,7 @@ use super::{
     FORMAT, Pictures, Report, ReportError, check_earlier,
     write::{render, write},
 };
-use stage::{fake_report, full_row, pictures_of, row};
+use rows::{fake_report, full_row, pictures_of, row};
 
 const HOSTILE: &str = "</style><script>alert(1)</script>\"'&";
 

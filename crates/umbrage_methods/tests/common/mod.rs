@@ -1,8 +1,9 @@
 //! A scene to plan for, and its plan's parts.
+#![allow(dead_code, reason = "each test program uses its own part")]
 
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec2, DVec3, Vec3};
 use umbrage_methods::registry;
 use umbrage_shadow::*;
 
@@ -16,7 +17,7 @@ pub(crate) struct Scene {
     pub(crate) camera_depth: Option<[u32; 2]>,
     pub(crate) answers: Answers,
     axes: BTreeMap<String, String>,
-    settings: BTreeMap<String, f64>,
+    pub(crate) settings: BTreeMap<String, f64>,
 }
 
 impl Scene {
@@ -59,10 +60,48 @@ impl Scene {
         }
     }
 
+    /// The same for `basic`: a map of 256 texels, half a texel of bias.
+    pub(crate) fn basic(kind: LightKind) -> Self {
+        let mut scene = Self::new(kind);
+        scene.set("resolution", 256.0);
+        scene.set("depth_bias", 0.5);
+        scene
+    }
+
+    pub(crate) fn transformed(&self, scale: f64, offset: DVec3) -> Self {
+        let mut scene = self.clone();
+        let place = |p: DVec3| p * scale + offset;
+        scene.view.position = place(self.view.position);
+        scene.view.projection.near *= scale;
+        scene.view.projection.far *= scale;
+        match &mut scene.light.kind {
+            LightKind::Directional { .. } => {}
+            LightKind::Spot {
+                position, range, ..
+            }
+            | LightKind::Point { position, range } => {
+                *position = place(*position);
+                *range *= scale;
+            }
+        }
+        for aabb in scene.casters.iter_mut().chain(&mut scene.receivers) {
+            *aabb = Aabb {
+                min: place(aabb.min),
+                max: place(aabb.max),
+            };
+        }
+        scene
+    }
+
     /// Has these cast and receive.
     pub(crate) fn hold(&mut self, boxes: Vec<Aabb>) {
         self.casters.clone_from(&boxes);
         self.receivers = boxes;
+    }
+
+    /// The filter's width, texels.
+    pub(crate) fn width(&self) -> f64 {
+        self.axes["pcf"].parse().expect("a width")
     }
 
     pub(crate) fn choose(&mut self, axis: &str, value: &str) {
@@ -153,4 +192,18 @@ pub(crate) fn passes(plan: &ShadowPlan) -> Vec<CasterPass> {
         _ => None,
     });
     casters.collect()
+}
+
+pub(crate) fn matrix(plan: &ShadowPlan, name: &str) -> DMat4 {
+    match plan.constants.get(name) {
+        Some(Value::Mat4(value)) => value.as_dmat4(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+pub(crate) fn pair(plan: &ShadowPlan, name: &str) -> DVec2 {
+    match plan.constants.get(name) {
+        Some(Value::Vec2(value)) => value.as_dvec2(),
+        other => panic!("{name}: {other:?}"),
+    }
 }
