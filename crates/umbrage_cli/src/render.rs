@@ -54,6 +54,9 @@ struct Permutations<'a> {
 #[derive(Serialize)]
 struct Used<'a> {
     key: String,
+    /// Keys of the further lights that it is for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    others: Vec<String>,
     from: &'static str,
     /// The object that first needed it.
     object: &'a str,
@@ -161,6 +164,7 @@ fn report<'a>(
 ) -> Report<'a> {
     let used = |used: &'a PermutationUse| Used {
         key: used.key.to_string(),
+        others: used.others.iter().map(ToString::to_string).collect(),
         from: match used.source {
             Source::Linked => "linked",
             Source::Memory => "memory",
@@ -205,7 +209,9 @@ fn tell(report: &Report<'_>) {
                 false => format!(" in the light of {light}"),
             })
             .unwrap_or_default();
-        eprintln!("{:6} {}: {}{light}", used.from, used.key, used.object);
+        let others: String = used.others.iter().map(|key| format!(" + {key}")).collect();
+        let (from, key, object) = (used.from, &used.key, used.object);
+        eprintln!("{from:6} {key}{others}: {object}{light}");
     }
     eprintln!(
         "{} was rendered on {} in {:.0} ms: {} permutations composed, {} from a cache",

@@ -6,6 +6,38 @@ use super::{json, path_in, refusal, root, stderr, stdout, umbrage, write};
 
 const SCENE: &str = "examples/scenes/bunny_sun.ron";
 
+/// Two lights of one scene file, added up by one shader.
+#[test]
+fn a_shader_of_several_lights_has_their_keys() {
+    let folder = TempDir::new().expect("a folder");
+    let lamp = |x: i32| {
+        format!(
+            "(name: \"lamp {x}\", kind: point(position: ({x}, 2, 1), range: 9), intensity: 9, shadow: (method: \"basic\")),"
+        )
+    };
+    let scene = format!(
+        "(camera: (position: (0, 2, 4), target: (0, 0, 0)), lights: [{}{}], models: [(shape: plane(size: (9, 9)), name: \"ground\")])",
+        lamp(-1),
+        lamp(1)
+    );
+    write(&folder, "scene.ron", &scene);
+    let (scene, out) = (path_in(&folder, "scene.ron"), path_in(&folder, "out.png"));
+    let output = umbrage(&[
+        "render",
+        &scene,
+        "--path",
+        "forward_all",
+        "--size",
+        "64x48",
+        "--out",
+        &out,
+    ]);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let key = "light=point,method=basic,pass=illumination";
+    assert!(said.contains(&format!("{key} + {key}: ground")), "{said}");
+}
+
 #[test]
 fn a_scene_becomes_a_picture() {
     let folder = TempDir::new().expect("a folder");

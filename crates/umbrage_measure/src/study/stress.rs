@@ -52,7 +52,7 @@ pub struct Stressed {
     pub warnings: Vec<String>,
 }
 
-/// Draws each of `cases` with each of `variants` ([`Config::variants`]), and holds the errors against `limits` by
+/// Draws each of `cases` with each of `variants` ([`Limits::variants_of`]), and holds the errors against `limits` by
 /// the variants' names. A case that must look like another wants that one among `cases`, before it. Of a case's
 /// lights those are measured that the method can shadow.
 ///
