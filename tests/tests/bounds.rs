@@ -224,7 +224,7 @@ impl Studio {
             *counts.entry(*decision).or_default() += 1;
             let (any_lit, any_dark) = maps.filter(place, width);
             let right = match decision {
-                Decision::Unasked | Decision::Filtered => true,
+                Decision::Unsampled | Decision::Filtered => true,
                 Decision::LitByDepth | Decision::LitByPlane => !any_dark,
                 Decision::ShadowedByDepth | Decision::ShadowedByPlane => !any_lit,
             };

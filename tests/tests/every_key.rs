@@ -378,7 +378,7 @@ fn misjudged(expected: &[Pixel], decisions: &[Decision], decides: bool) -> Optio
         let lit = match decision {
             Decision::LitByDepth | Decision::LitByPlane => true,
             Decision::ShadowedByDepth | Decision::ShadowedByPlane => false,
-            Decision::Unasked | Decision::Filtered => continue,
+            Decision::Unsampled | Decision::Filtered => continue,
         };
         decided += 1;
         wrong += u32::from(match *expected {

@@ -91,9 +91,9 @@
 //! | `compared`, `left_out` | how many samples there are | samples |
 //! | `false_lit`, `false_shadow` | lit but should not be, and the reverse | share of the compared |
 //! | `beyond_range` | false light farther out than the method's shadow distance | share |
-//! | `detachment` | else, peter-panning: false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
+//! | `peter_panning` | else, peter-panning: false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
 //! | `edge` | else, false light or shadow where the filter reaches a true edge | share |
-//! | `turned_away` | else, false shadow on the back-facing side of a thin thing, which gets no light anyway | share |
+//! | `back_facing` | else, false shadow on the back-facing side of a thin thing, which gets no light anyway | share |
 //! | `leak`, `acne` | else, false light (a light leak), and false shadow | share |
 //! | `rmse`, `p99` | the term's error: root of the mean square, and what 99 of 100 do not exceed | of the term, 0 to 1 |
 //! | `edge_p50`, `edge_p95`, `edge_max` | from each true shadow edge to the nearest rendered one, and back | pixels |
@@ -103,7 +103,7 @@
 //! | `flip` | mean FLIP of the shaded picture against the one with true shadows | 0 alike to 1 |
 //! | `bad_pixels` | not a number, infinite, or outside 0..1 | samples |
 //!
-//! Every wrong sample has exactly one cause: `beyond_range`, `detachment`, `turned_away`, `edge`, `leak` and `acne`
+//! Every wrong sample has exactly one cause: `beyond_range`, `peter_panning`, `back_facing`, `edge`, `leak` and `acne`
 //! add up to `false_lit` and `false_shadow`. How far a bias and a filter reach comes from the plan (the filter's
 //! radius, the passes' matrices) and from the receiver's slope; see [`figures::aliasing`].
 //!

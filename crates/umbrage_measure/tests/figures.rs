@@ -186,13 +186,13 @@ fn each_fault_is_put_down_to_its_cause() {
             println!("{name} {axes:?} {settings:?}: {figures:?}");
             let Figures {
                 acne,
-                detachment,
+                peter_panning,
                 leak,
                 beyond_range,
                 edge,
                 ..
             } = figures;
-            let causes = acne + detachment + leak + beyond_range + edge;
+            let causes = acne + peter_panning + leak + beyond_range + edge;
             assert!((causes - figures.false_lit - figures.false_shadow).abs() < 1e-12);
             assert_eq!((figures.bad_pixels, beyond_range), (0, 0.0));
             // Where a triangle's edge goes through a pixel's middle, ray and rasteriser may differ.
@@ -202,7 +202,7 @@ fn each_fault_is_put_down_to_its_cause() {
         let sound = of(&[], &[]);
         assert_eq!(sound.acne, 0.0, "{name}");
         assert!(
-            sound.leak < 1e-4 && sound.edge + sound.detachment < 0.01,
+            sound.leak < 1e-4 && sound.edge + sound.peter_panning < 0.01,
             "{name}"
         );
 
@@ -212,15 +212,15 @@ fn each_fault_is_put_down_to_its_cause() {
             "{name}"
         );
         assert!(
-            unbiased.detachment < sound.detachment && unbiased.leak < 1e-4,
+            unbiased.peter_panning < sound.peter_panning && unbiased.leak < 1e-4,
             "{name}"
         );
 
         let lifted = of(&[], &[("depth_bias", 30.0)]);
-        assert!(lifted.detachment > 4.0 * sound.detachment, "{name}");
+        assert!(lifted.peter_panning > 4.0 * sound.peter_panning, "{name}");
         assert_eq!(lifted.acne, 0.0, "{name}");
         // Hardly anything that the bias lets through is taken for a leak.
-        assert!(lifted.leak < 0.01 * lifted.detachment, "{name}");
+        assert!(lifted.leak < 0.01 * lifted.peter_panning, "{name}");
     }
 }
 

@@ -121,9 +121,12 @@ fn contacts_are_closer_than_with_the_nearest_depths() {
             let found = errors(&mut lab, &case, &[("depth", depth), ("pcf", pcf)], &[]);
             println!(
                 "{pcf} {depth}: {:.5} falsely lit ({:.5}), {:.5} peter-panning ({:.5})",
-                found.false_lit, nearest.false_lit, found.detachment, nearest.detachment
+                found.false_lit, nearest.false_lit, found.peter_panning, nearest.peter_panning
             );
-            assert!(found.detachment < nearest.detachment, "{depth}, {pcf}");
+            assert!(
+                found.peter_panning < nearest.peter_panning,
+                "{depth}, {pcf}"
+            );
             assert!(found.false_lit < nearest.false_lit, "{depth}, {pcf}");
             assert!(found.leak <= nearest.leak, "{depth}, {pcf}");
             assert_eq!(found.acne, 0.0, "{depth}, {pcf}");

@@ -55,7 +55,7 @@ pub enum Decision {
     /// No map was sampled, or by a method that notes nothing: there is nothing to see, or what is seen lies beside
     /// all maps.
     #[default]
-    Unasked,
+    Unsampled,
     /// By filtering all of the receiver's footprint.
     Filtered,
     /// Lit, as no depth around is greater.
@@ -71,7 +71,7 @@ pub enum Decision {
 impl Decision {
     /// All, by the shader's numbers.
     pub const ALL: [Self; 6] = [
-        Self::Unasked,
+        Self::Unsampled,
         Self::Filtered,
         Self::LitByDepth,
         Self::LitByPlane,
@@ -80,7 +80,7 @@ impl Decision {
     ];
 
     /// Whether `permutation`, of the pass `decision`, can find a term without filtering: whether anything in it notes
-    /// how. If not, its decisions are [`Unasked`](Self::Unasked) and [`Filtered`](Self::Filtered) alone.
+    /// how. If not, its decisions are [`Unsampled`](Self::Unsampled) and [`Filtered`](Self::Filtered) alone.
     #[must_use]
     pub fn spares_filter(permutation: &Permutation) -> bool {
         let functions = permutation.module.functions.iter();
@@ -98,7 +98,7 @@ impl Decision {
     #[must_use]
     pub fn color(self) -> [u8; 3] {
         match self {
-            Self::Unasked => [0, 0, 0],
+            Self::Unsampled => [0, 0, 0],
             Self::Filtered => [220, 50, 47],
             Self::LitByDepth => [255, 250, 205],
             Self::LitByPlane => [240, 190, 40],
@@ -409,7 +409,7 @@ mod tests {
     #[test]
     fn decisions_have_colours_of_their_own() {
         let picture = Picture::Decisions(vec![
-            vec![Decision::Filtered, Decision::Unasked],
+            vec![Decision::Filtered, Decision::Unsampled],
             vec![Decision::Filtered, Decision::LitByDepth],
         ]);
         let image = rendered(picture).to_image().into_rgb8();
@@ -422,10 +422,10 @@ mod tests {
         assert_eq!(
             [0.0, 1.0, 5.0, 9.0].map(Decision::of),
             [
-                Decision::Unasked,
+                Decision::Unsampled,
                 Decision::Filtered,
                 Decision::ShadowedByPlane,
-                Decision::Unasked,
+                Decision::Unsampled,
             ]
         );
     }

@@ -182,7 +182,7 @@ fn count(
     let pairs = own.iter().zip(&whole);
     let decisions = decisions.concat();
     let number = |wanted| decisions.iter().filter(|found| **found == wanted).count() as f64;
-    let sampled = decisions.len() as f64 - number(Decision::Unasked);
+    let sampled = decisions.len() as f64 - number(Decision::Unsampled);
     let share = |wanted| number(wanted) / sampled.max(1.0);
     Ok(Figures {
         fetches: fetches.concat().iter().copied().map(f64::from).sum::<f64>() / sampled.max(1.0),

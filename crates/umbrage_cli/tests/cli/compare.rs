@@ -29,7 +29,7 @@ const FIGURES: [&str; 20] = [
     "false_lit",
     "false_shadow",
     "acne",
-    "detachment",
+    "peter_panning",
     "leak",
     "beyond_range",
     "rmse",

@@ -93,18 +93,18 @@ pub struct Figures {
     pub false_lit: f64,
     /// Share that is in shadow but should not be.
     pub false_shadow: f64,
-    /// False shadow far from a true edge: the receiver shades itself. `acne`, `turned_away`, `detachment`,
+    /// False shadow far from a true edge: the receiver shades itself. `acne`, `back_facing`, `peter_panning`,
     /// `leak`, `beyond_range` and `edge` are shares too, and add up to `false_lit` and `false_shadow`.
     pub acne: f64,
     /// False shadow on the back-facing side of a thin thing. Nothing but the thing itself is in the light's
     /// way, which does not count, but it gets no light there either: such a side can be wrong without being
     /// seen to be.
-    pub turned_away: f64,
+    pub back_facing: f64,
     /// Peter-panning: false light where the nearest thing in the light's way is within the bias's and the filter's
     /// reach of the receiver, R + 2 texels' widths stretched by the receiver's slope (20 times at most),
     /// where R is the plan's filter radius; and what goes on from there without a break, as wide as the
     /// method's bias makes it: the shadow's band at the contact.
-    pub detachment: f64,
+    pub peter_panning: f64,
     /// Light leak: false light far from an edge and from a contact, behind a caster.
     pub leak: f64,
     /// False light beyond the plan's shadow distance; whatever else would explain it.
@@ -232,8 +232,8 @@ impl Pool {
         let share = match cause {
             None => return,
             Some(Cause::Acne) => &mut counts.acne,
-            Some(Cause::BackFacing) => &mut counts.turned_away,
-            Some(Cause::PeterPanning) => &mut counts.detachment,
+            Some(Cause::BackFacing) => &mut counts.back_facing,
+            Some(Cause::PeterPanning) => &mut counts.peter_panning,
             Some(Cause::Leak) => &mut counts.leak,
             Some(Cause::BeyondRange) => &mut counts.beyond_range,
             Some(Cause::Edge) => &mut counts.edge,
@@ -256,8 +256,8 @@ impl Pool {
             false_lit: share(self.counts.false_lit),
             false_shadow: share(self.counts.false_shadow),
             acne: share(self.counts.acne),
-            turned_away: share(self.counts.turned_away),
-            detachment: share(self.counts.detachment),
+            back_facing: share(self.counts.back_facing),
+            peter_panning: share(self.counts.peter_panning),
             leak: share(self.counts.leak),
             beyond_range: share(self.counts.beyond_range),
             edge: share(self.counts.edge),

@@ -110,8 +110,8 @@ mod tests {
     #[test]
     fn shares_are_of_what_asks() {
         let of = |decisions: &[Decision]| shares(decisions.iter().copied());
-        assert_eq!(of(&[Decision::Unasked; 3]), None);
-        let mut decisions = vec![Decision::Unasked; 90];
+        assert_eq!(of(&[Decision::Unsampled; 3]), None);
+        let mut decisions = vec![Decision::Unsampled; 90];
         for (decision, count) in [
             (Decision::Filtered, 1),
             (Decision::LitByDepth, 2),

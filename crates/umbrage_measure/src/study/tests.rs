@@ -288,7 +288,7 @@ fn decisions_are_looked_for_where_filters_can_be_spared() {
         let Picture::Decisions(drawn) = picture else {
             panic!("decisions were asked for");
         };
-        let told = |found: &Decision| ![Decision::Unasked, Decision::Filtered].contains(found);
+        let told = |found: &Decision| ![Decision::Unsampled, Decision::Filtered].contains(found);
         assert_eq!(found.is_some(), drawn.concat().iter().any(told), "{filter}");
         let Some((decided, picture)) = found else {
             continue;

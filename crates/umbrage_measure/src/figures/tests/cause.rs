@@ -32,13 +32,13 @@ fn at(x: usize, y: usize) -> usize {
 fn counts(figures: &Figures) -> [f64; 5] {
     let Figures {
         acne,
-        detachment,
+        peter_panning,
         leak,
         beyond_range,
         edge,
         ..
     } = *figures;
-    [acne, detachment, leak, beyond_range, edge]
+    [acne, peter_panning, leak, beyond_range, edge]
         .map(|share| (share * figures.compared as f64).round())
 }
 

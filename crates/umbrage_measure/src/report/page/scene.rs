@@ -226,7 +226,7 @@ fn decisions() -> Markup {
         (Decision::ShadowedByPlane, "shadowed by a plane"),
         (Decision::ShadowedByDepth, "shadowed by depth"),
         (Decision::Filtered, "filtered"),
-        (Decision::Unasked, "no map sampled"),
+        (Decision::Unsampled, "no map sampled"),
     ];
     html! {
         p.legend {

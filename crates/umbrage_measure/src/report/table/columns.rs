@@ -188,12 +188,12 @@ pub(super) static GROUPS: &[Group] = &[
         columns: &[
             share!(acne, "acne", "the receiver shades itself"),
             share!(
-                turned_away,
+                back_facing,
                 "back-facing",
                 "the back-facing side of a thin caster, which gets no light anyway"
             ),
             share!(
-                detachment,
+                peter_panning,
                 "peter-panning",
                 "a band of light where the caster touches the receiver"
             ),
