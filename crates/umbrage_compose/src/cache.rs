@@ -77,6 +77,7 @@ impl DiskCache {
                 part(axis.name.as_bytes());
                 let asked = (
                     &effect.root,
+                    &effect.each,
                     &effect.bind,
                     &effect.features,
                     &effect.count_fetches,

@@ -103,14 +103,15 @@ impl Linker<'_> {
         }
         // A host sets it once, for all instances.
         if let Some(item) = item.filter(|item| item.module != self.targets.module(module)) {
-            let owner = self.unit(item.module)?;
+            let home = self.targets.number(module, item.module);
+            let owner = self.unit(home)?;
             let own = owner
                 .overrides
                 .iter()
                 .find(|(_, known)| *known == item)
                 .map(|(handle, _)| *handle);
             if let Some(own) = own {
-                return self.override_(item.module, &owner, own);
+                return self.override_(home, &owner, own);
             }
         }
         let original = &unit.module.overrides[handle];

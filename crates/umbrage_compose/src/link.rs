@@ -116,7 +116,7 @@ pub(crate) struct Targets<'a> {
     parts: RefCell<Bits>,
     /// Calls from module to module, and what they lead to.
     pub(crate) known: RefCell<FxHashMap<FunctionId, FunctionId>>,
-    checked: RefCell<FxHashSet<(usize, usize)>>,
+    checked: RefCell<FxHashSet<usize>>,
 }
 
 impl Program for Targets<'_> {
@@ -292,7 +292,11 @@ impl<'a> Targets<'a> {
         }
         match request.bindings.get(&item.module) {
             Some(&bound) => {
-                if bound != item.module && self.checked.borrow_mut().insert((item.module, bound)) {
+                // Each key of several makes a permutation by itself, which was checked.
+                if bound != item.module
+                    && self.several.is_none()
+                    && self.checked.borrow_mut().insert(item.module)
+                {
                     let (contract, implementation) = (self.unit(item.module)?, self.unit(bound)?);
                     interface::check(
                         self.library,

@@ -24,6 +24,7 @@ const AXES: &str = r#"(axes: {
     "light": (default: "sun", values: {
         "sun": (bind: { "package::interface::light": "package::sun" }),
         "lamp": (bind: { "package::interface::light": "package::lamp" }),
+        "wide": (bind: { "package::interface::light": "package::wide" }),
     }),
     "noted": (default: "off", values: { "off": (), "on": (features: ["NOTED"]) }),
     "tinted": (default: "off", values: { "off": (), "on": (features: ["TINTED"]) }),
@@ -95,6 +96,11 @@ fn light(place: vec2f) -> vec3f {
     return tint(color) * count();
 }
 ",
+    ),
+    // With a function and a variable that other keys' features do not give it.
+    (
+        "wide.wesl",
+        "@if(WIDE) @group(1) @binding(3) var<uniform> width: vec3f;\n@if(WIDE) fn light(place: vec2f) -> vec3f { return width; }\n",
     ),
     (
         "lamp.wesl",
@@ -200,6 +206,24 @@ fn private_variables_are_told_apart() -> Result<(), Error> {
     // The second one's is in storage.
     let blocks = bindings().filter(|b| b.kind.block().is_some());
     assert_eq!(blocks.count(), 3);
+    Ok(())
+}
+
+/// Features are each key's own: what one key's module has under them, it has whatever the other keys choose.
+#[test]
+fn features_are_each_keys_own() -> Result<(), Error> {
+    for keys in [
+        ["pass=all", "pass=all,light=wide,wide=on"],
+        ["pass=all,light=wide,wide=on", "pass=all"],
+    ] {
+        let permutation = all(&keys)?;
+        let names: Vec<_> = bindings(&permutation, 1)
+            .into_iter()
+            .map(|(name, instance, _)| (name, instance))
+            .collect();
+        let wide = usize::from(keys[0] == "pass=all");
+        assert!(names.contains(&("width", wide)) && names.contains(&("color", 1 - wide)));
+    }
     Ok(())
 }
 
