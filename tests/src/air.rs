@@ -92,7 +92,7 @@ impl Oracle<'_> {
     /// The least and the most texture fetches that the pixel's shafts take.
     ///
     /// # Errors
-    /// What the pixel sees where it is unsure, or an edge where it is unsure whether a light reaches a step.
+    /// Things that the pixel sees where it is unsure, or an edge where it is unsure whether a light reaches a step.
     pub fn air_fetches(&self, x: u32, y: u32, size: u32, steps: u32) -> Result<[u32; 2], Pixel> {
         let ray = self.air_ray(x, y, size)?;
         let cookie = u32::from(self.stage.scene.lights[0].cookie.is_some());

@@ -221,7 +221,7 @@ impl<'a> Oracle<'a> {
     /// the viewer's side.
     ///
     /// # Errors
-    /// What it sees where that is no surface for sure.
+    /// Things that it sees where that is no surface for sure.
     pub fn receiver(
         &self,
         x: u32,
@@ -239,7 +239,7 @@ impl<'a> Oracle<'a> {
     /// The object and the triangle in its mesh that the pixel sees.
     ///
     /// # Errors
-    /// What it sees where that is no triangle for sure.
+    /// Things that it sees where that is no triangle for sure.
     pub fn triangle(
         &self,
         x: u32,
@@ -256,7 +256,7 @@ impl<'a> Oracle<'a> {
     /// where it does, all that the plan promises; one at the least where what is read first may tell.
     ///
     /// # Errors
-    /// What the pixel sees where that is no surface for sure.
+    /// Things that the pixel sees where that is no surface for sure.
     pub fn fetches(&self, x: u32, y: u32, width: u32, height: u32) -> Result<[u32; 2], Pixel> {
         Ok(self.range_of(self.most_fetches(x, y, width, height)?))
     }

@@ -127,7 +127,7 @@ pub struct Composed {
     pub permutation: Arc<Permutation>,
     /// Where it came from.
     pub source: Source,
-    /// What is worth telling, though it did no harm: damaged cache entries, a cache that cannot be
+    /// Warnings of what did no harm: damaged cache entries, a cache that cannot be
     /// written to, and the permutation's own, when it is composed or loaded.
     pub warnings: Vec<String>,
 }

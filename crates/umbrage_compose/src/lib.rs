@@ -69,7 +69,7 @@
 //! side by side would share a resource.
 //!
 //! # Counted fetches
-//! What a pixel costs is best counted where it is spent. A value of an axis may ask that a function be
+//! A pixel's cost is best counted where it is spent. A value of an axis may ask that a function be
 //! called before each texture fetch:
 //! ```ron
 //! "fetch_count": (

@@ -358,9 +358,9 @@ pub(crate) struct Linker<'a> {
     /// Units of which something is left out, as they are then.
     without: FxHashMap<usize, Arc<Unit>>,
     pub(crate) out: Module,
-    /// What each copied function came from.
+    /// Origins of the copied functions.
     origins: Vec<FunctionId>,
-    /// What each copied variable came from.
+    /// Origins of the copied variables.
     pub(crate) owners: Vec<Item>,
     functions: FxHashMap<FunctionId, Handle<Function>>,
     /// The functions being copied, outermost first, for telling of recursion.

@@ -1,4 +1,4 @@
-//! What is reachable, and what of it has any effect.
+//! Reach: functions and variables that a shader comes to, and which of them have any effect.
 //!
 //! A pass notes things for shadow methods in private variables. Where no method reads one, writing
 //! it has no effect, nor has a call that does nothing but write it: both are left out, and what
@@ -51,18 +51,18 @@ pub(crate) trait Program {
     }
 }
 
-/// What is reachable.
+/// Reach of a shader's roots.
 #[derive(Debug, Default)]
 pub(crate) struct Reach {
     /// The private variables that something reads.
     pub(crate) reads: FxHashSet<ItemNumber>,
     /// The functions that have no effect but their result.
     pub(crate) idle: FxHashSet<FunctionId>,
-    /// What is left out of modules, by module.
+    /// Parts left out, by module.
     pub(crate) left_out: FxHashMap<usize, LeftOut>,
 }
 
-/// What of a module has no effect.
+/// Parts of a module without effect.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct LeftOut {
     /// Private variables that nothing reads: stores into them are left out.

@@ -51,7 +51,7 @@ impl RonFile {
     /// The file as a value. An option may be given without `Some`.
     ///
     /// # Errors
-    /// What is no RON, or not of this type: with its line and column, and the name that may be meant.
+    /// Text that is no RON, or not of this type: with its line and column, and the name that may be meant.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Error> {
         parse(&self.0)
     }

@@ -111,7 +111,7 @@ impl Compiler {
     /// pipeline's stages. Of several vertex or fragment entry points the first is taken, as by the renderer.
     ///
     /// # Errors
-    /// What cannot be compiled, and a driver that crashes, hangs or leaves a figure out. The next permutation
+    /// A permutation that cannot be compiled, and a driver that crashes, hangs or leaves a figure out. The next permutation
     /// is compiled all the same, by a new process.
     pub fn cost(
         &mut self,

@@ -58,7 +58,7 @@ impl Config {
     /// Reads a list of configurations, and checks each against what there is.
     ///
     /// # Errors
-    /// What is no such list, or an empty one; a method, an axis, a value or a setting that does not
+    /// Text that is no such list, or an empty one; a method, an axis, a value or a setting that does not
     /// exist; two configurations of one method, name and path. With the place in the file.
     pub fn read(
         file: &RonFile,

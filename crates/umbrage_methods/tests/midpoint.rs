@@ -1,9 +1,11 @@
 //! Plans for midpoint maps.
 
+mod common;
+
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3, Vec3};
-use umbrage_methods::registry;
+use common::Scene;
+use glam::DVec3;
 use umbrage_shadow::*;
 use wgpu_types::{Features, TextureFormat};
 
@@ -20,60 +22,14 @@ const LAMP: LightKind = LightKind::Spot {
 
 /// The plan of `method` for a box on the ground before the camera.
 fn plan(method: &str, depth: &str, kind: LightKind) -> Result<ShadowPlan, PlanError> {
-    let registry = registry().expect("names are unique");
-    let axes = [
-        ("block", "4"),
-        ("depth", depth),
-        ("filter", "pcf"),
-        ("fit", "stable"),
-        ("lookup", "packed"),
-        ("pcf", "3"),
-        ("range", "boxes"),
-        ("receiver_bias", "plane"),
-        ("taper", "off"),
-        ("transition", "hard"),
-    ];
-    let boxes = [
-        [-5.0, -1.0, -12.0, 5.0, 0.0, -2.0],
-        [-0.5, 0.0, -5.0, 0.5, 1.0, -4.0],
-    ];
-    let boxes = boxes.map(|[a, b, c, d, e, f]| Aabb {
-        min: DVec3::new(a, b, c),
-        max: DVec3::new(d, e, f),
-    });
-    let axes = axes
-        .map(|(axis, value)| (axis.to_owned(), value.to_owned()))
-        .into();
-    let value = |axis: &str| BTreeMap::get(&axes, axis).map(String::as_str);
-    let choice = registry.choose(method, value).expect("parts");
-    choice.method.plan(&Frame {
-        view: &View {
-            position: DVec3::Y,
-            rotation: DQuat::IDENTITY,
-            projection: Projection {
-                field: Field::Perspective { fov_y: 1.0 },
-                aspect: 1.5,
-                near: 0.05,
-                far: 200.0,
-            },
-            eye: 0.0,
-        },
-        light: &Light {
-            kind,
-            color: Vec3::ONE,
-        },
-        casters: Casters {
-            casters: &boxes,
-            receivers: &boxes,
-            air: false,
-        },
-        settings: &Settings::check(&choice.settings(), []).expect("defaults"),
-        axes: &axes,
-        depth: choice.depth,
-        filter: choice.filter,
-        camera_depth: None,
-        answers: Answers::none(),
-    })
+    let mut scene = Scene::new(kind);
+    scene.view.position = DVec3::Y;
+    scene.hold(vec![
+        Aabb::new([-5.0, -1.0, -12.0], [5.0, 0.0, -2.0]),
+        Aabb::new([-0.5, 0.0, -5.0], [0.5, 1.0, -4.0]),
+    ]);
+    scene.choose("depth", depth);
+    scene.plan_with(method)
 }
 
 /// A value of `depth`: passes by their shaders, textures, and fetches for each of `nearest`.

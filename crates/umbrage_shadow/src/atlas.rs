@@ -119,7 +119,7 @@ mod tests {
             }
         }
 
-        /// What a filter of width W about a place off the guard band reads is of the place's own tile, and so
+        /// Texels that a filter of width W reads about a place off the guard band are of the place's own tile, and so
         /// is what a clamped fetch reads from anywhere.
         #[test]
         fn filters_stay_in_their_tile(

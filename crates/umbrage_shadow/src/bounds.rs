@@ -55,7 +55,7 @@ impl Aabb {
         }
     }
 
-    /// What lies in both; none where nothing does.
+    /// The part that lies in both; none where nothing does.
     pub fn intersection(self, other: Self) -> Option<Self> {
         self.intersects(&other).then(|| Self {
             min: self.min.max(other.min),

@@ -1,10 +1,10 @@
-//! What a light's map has to hold, and what is drawn into it.
+//! The extent of a light's map: what it has to hold, and what is drawn into it.
 
 use glam::DVec3;
 
 use crate::{Aabb, Frustum, Lens, Rect, overlap};
 
-/// What a light's map has to hold: the receivers seen. Lengths in metres; see [`Lens`] for the space.
+/// The extent that a light's map has to hold: the receivers seen. Lengths in metres; see [`Lens`] for the space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// Where they lie in the lens's plane.
@@ -13,7 +13,7 @@ pub struct Extent {
     pub near: f64,
     /// The greatest.
     pub far: f64,
-    /// What an f32 position among them is exact to; above 0.
+    /// Exactness of an f32 position among them; above 0.
     pub precision: f64,
 }
 
@@ -79,7 +79,7 @@ impl Extent {
         beam.casters
     }
 
-    /// What holds both.
+    /// The least extent that holds both.
     pub fn union(self, other: Self) -> Self {
         let (a, b) = (self.rect, other.rect);
         Self {

@@ -27,7 +27,7 @@ pub struct Rect {
     pub max: DVec2,
 }
 
-/// What each face of WebGPU's cube map takes as u and as v (Vulkan specification, "Cube Map Face
+/// Directions that each face of WebGPU's cube map takes as u and as v (Vulkan specification, "Cube Map Face
 /// Selection"; v points down), and its axis. The faces are seen from inside, mirrored: turned by no
 /// rotation into one another's camera.
 const CUBE_FACES: [[DVec3; 3]; 6] = [
@@ -164,7 +164,7 @@ impl Rect {
             })
     }
 
-    /// What lies in both; none where they are apart.
+    /// The part that lies in both; none where they are apart.
     pub fn intersection(&self, other: &Self) -> Option<Self> {
         let both = Self {
             min: self.min.max(other.min),

@@ -1,4 +1,4 @@
-//! What a method wants drawn this frame, as plain data.
+//! Plans: a method's textures, passes and constants for a frame, as plain data.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use wgpu_types::{ColorWrites, CompareFunction, Face, Features, FilterMode, Textu
 
 use crate::{Constants, MAX_SPLITS, Value};
 
-/// What a method wants drawn this frame, and what `calc_shadow` reads. The renderer only executes it.
+/// Passes that a method wants run this frame, and all that `calc_shadow` reads. The renderer only executes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShadowPlan {
     /// The textures that it owns, by the name of the binding that reads each. The renderer keeps a
@@ -15,11 +15,11 @@ pub struct ShadowPlan {
     pub textures: Vec<TextureDesc>,
     /// The samplers that it owns, by the name of the binding that reads each.
     pub samplers: Vec<SamplerDesc>,
-    /// What textures hold that no pass draws into: uploaded before the passes.
+    /// Contents of textures that no pass draws into: uploaded before the passes.
     pub contents: Vec<Contents>,
     /// The storage buffers that its passes and `calc_shadow` use, by the name of the binding of each.
     pub buffers: Vec<BufferDesc>,
-    /// What to draw, in order.
+    /// Passes to run, in order.
     pub passes: Vec<Pass>,
     /// The members of the uniform blocks that `calc_shadow` reads.
     pub constants: Constants,
@@ -29,7 +29,7 @@ pub struct ShadowPlan {
     /// A later plan repeats the passes whose outcome it goes on from: what they filled stands, and they are not run again.
     /// [`MAX_QUESTIONS`] may follow each other.
     pub asks: Vec<String>,
-    /// What it takes beyond WebGPU's baseline.
+    /// Needs beyond WebGPU's baseline.
     pub needs: Vec<Need>,
     /// Texture fetches that `calc_shadow` makes at the most for a pixel: the method's own promise,
     /// for a report to check.
@@ -129,7 +129,7 @@ pub struct SamplerDesc {
     pub compare: Option<CompareFunction>,
 }
 
-/// What a texture holds that the method itself computed, such as a row of matrices.
+/// Texels that the method itself computed, such as a row of matrices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contents {
     /// The texture: one of the plan's, of one rectangle and a format of whole texels that is not of
@@ -173,7 +173,7 @@ pub enum Pass {
 }
 
 impl Pass {
-    /// What shader it runs: a value of the shader library's axis `pass`.
+    /// Its shader: a value of the shader library's axis `pass`.
     pub fn shader(&self) -> &str {
         match self {
             Self::Casters(pass) => &pass.shader,
@@ -320,11 +320,11 @@ pub struct ColorTarget {
     pub target: Slice,
     /// The channels to write; the others keep what they hold.
     pub channels: ColorWrites,
-    /// What is kept.
+    /// Choice between what is there and what is drawn.
     pub blend: Blend,
 }
 
-/// What of an old and a new colour is kept.
+/// Choice between an old and a new colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Blend {
     /// The new one.
@@ -338,28 +338,28 @@ pub enum Blend {
 /// One triangle around a part of a texture, whose fragments read the plan's other textures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScreenPass {
-    /// What is computed: a value of the shader library's axis `pass`.
+    /// Its shader: a value of the shader library's axis `pass`.
     pub shader: String,
     /// Its targets, all as large: textures of floats by the locations that the shader gives their colours, and at most one
     /// of depth, which takes the fragment's depth. The plan's first pass into each makes it [empty](TextureDesc::empty).
     pub targets: Vec<Slice>,
     /// Where in them.
     pub viewport: Viewport,
-    /// What the shader reads.
+    /// Inputs of the shader.
     pub reads: Reads,
 }
 
 /// A compute shader that reads some of the plan's textures and buffers and writes others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComputePass {
-    /// What is computed: a value of the shader library's axis `pass`.
+    /// Its shader: a value of the shader library's axis `pass`.
     pub shader: String,
     /// How many workgroups are run.
     pub workgroups: Workgroups,
     /// Its outputs: textures of rectangles, in a format that WebGPU's baseline can store to, and
     /// [written](BufferContents::Written) buffers.
     pub writes: Vec<Source>,
-    /// What the shader reads.
+    /// Inputs of the shader.
     pub reads: Reads,
 }
 
@@ -384,7 +384,7 @@ impl From<[u32; 3]> for Workgroups {
     }
 }
 
-/// What the shader of a pass reads beside the plan's textures, samplers and buffers, which have the names of
+/// Inputs of a pass's shader beside the plan's textures, samplers and buffers, which have the names of
 /// the bindings that read them, and the camera's depth, which is the texture [`Reads::CAMERA_DEPTH`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reads {
@@ -402,12 +402,12 @@ impl Reads {
     pub const CAMERA_DEPTH: &str = "camera_depth";
 }
 
-/// What a plan asks of the device beyond WebGPU's baseline.
+/// A plan's demand on the device beyond WebGPU's baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Need {
     /// The features.
     pub features: Features,
-    /// What to choose where the device does not have them: the end of the sentence "…; choose".
+    /// Advice where the device does not have them: the end of the sentence "…; choose".
     pub instead: String,
 }
 

@@ -11,7 +11,7 @@ use crate::plain_number;
 pub struct Setting {
     /// Its name in scene files, snake_case.
     pub name: &'static str,
-    /// What it is, and its unit.
+    /// Its meaning and unit.
     pub doc: &'static str,
     /// The least value allowed.
     pub min: f64,

@@ -96,7 +96,7 @@ mod tests {
             prop_assert!(depths.windows(2).all(|pair| pair[0] < pair[1]));
         }
 
-        /// What defines each scheme: equal ratios, equal lengths, and the mean of the two.
+        /// Definitions of the schemes: equal ratios, equal lengths, and the mean of the two.
         #[test]
         fn lambda_mixes_the_pure_schemes(
             near in 1e-3..1e2, ratio in 1.01f64..1e6, count in 1..=MAX_SPLITS, lambda in 0.0..=1.0,

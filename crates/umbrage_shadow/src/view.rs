@@ -134,12 +134,12 @@ impl View {
         self.projection.matrix() * self.view_relative()
     }
 
-    /// What it sees, in world space.
+    /// The volume that it sees, in world space.
     pub fn frustum(&self) -> Frustum {
         Frustum::from_matrix(self.view_proj_relative() * DMat4::from_translation(-self.position))
     }
 
-    /// What it sees, in camera-relative space.
+    /// The volume that it sees, in camera-relative space.
     pub fn frustum_relative(&self) -> Frustum {
         Frustum::from_matrix(self.view_proj_relative())
     }

@@ -26,7 +26,7 @@ use umbrage_render::{
 };
 use umbrage_shadow::{Field, Light, LightKind, Registry, Support, look_along};
 
-/// What was tried.
+/// Counts of what was tried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Held {
     /// Variants.

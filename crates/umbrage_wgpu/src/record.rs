@@ -104,7 +104,7 @@ pub(crate) fn stale(
         .filter(|(place, records)| new.contains(&place.0) || drawn.get(*place) != Some(*records))
         .map(|(place, _)| place)
         .collect();
-    // What is filled again has what is made of it filled again, and all that one pass writes goes together. A place that
+    // A place that is filled again has what is made of it filled again, and all that one pass writes goes together. A place that
     // later passes fill further has lost what a pass before them reads.
     loop {
         let before = stale.len();

@@ -220,7 +220,7 @@ fn written(plan: &ShadowPlan, name: &str) -> wgpu::TextureUsages {
         Pass::Compute(_) => Usage::STORAGE_BINDING,
         _ => Usage::RENDER_ATTACHMENT,
     });
-    // What no pass writes is cleared by the first that reads it, which asks for this.
+    // A texture that no pass writes is cleared by the first that reads it, which asks for this.
     usages
         .reduce(|all, usage| all | usage)
         .unwrap_or(Usage::RENDER_ATTACHMENT)
@@ -271,7 +271,7 @@ fn contents<'a>(
     Err(bad_plan(job, &problem))
 }
 
-/// What of `lights`' resources must not be filtered, each light's as an instance: textures of formats that not every device
+/// Resources of `lights` that must not be filtered, each light's as an instance: textures of formats that not every device
 /// can filter, where the plan does not ask for one that can, and samplers that do not ask to.
 pub fn unfiltered(lights: &[&ShadowResources]) -> Unfiltered {
     let lights = lights.iter().enumerate();

@@ -171,7 +171,7 @@ impl Shadow {
                 all.axes.insert(axis.to_owned(), value.clone());
             }
         }
-        // What the light chooses for one part may mean nothing to another.
+        // A light's choices for one part may mean nothing to another.
         let choice = all.choice(registry, library)?;
         let (axes, settings) = (choice.axes(), choice.settings());
         let has_axis = |axis: &str| axes.contains(&axis);

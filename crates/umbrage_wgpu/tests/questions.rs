@@ -258,7 +258,7 @@ fn the_camera_s_depth_is_read() {
     assert_eq!(done.runs, [Run::Kept]);
 }
 
-/// Who asks without end, or about what there is not, is told so; other lights go on.
+/// A method that asks without end, or about what there is not, is told so; other lights go on.
 #[test]
 fn bad_questions_are_told() {
     let mut lab = Lab::new(&[("look", LOOK), ("sum", SUM)], |_| look(&["looked"]));

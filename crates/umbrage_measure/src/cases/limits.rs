@@ -178,7 +178,7 @@ impl Limits {
     /// Reads a table.
     ///
     /// # Errors
-    /// What is not RON or has fields that are not known; a figure, a case or a variant that there is not, or a case
+    /// Text that is not RON or has fields that are not known; a figure, a case or a variant that there is not, or a case
     /// that is not in the table; two variants of one name, or one that is like itself or like one that is like
     /// another; a limit or an exception without a reason; an exception to what has no limit or
     /// admits none; a variant's own limit that asks for no more than the one for all; a table that extends the

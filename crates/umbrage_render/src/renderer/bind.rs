@@ -18,7 +18,7 @@ use crate::{
 };
 
 impl Renderer {
-    /// What a program reads that draws no object, group by group.
+    /// Bind groups of a program that draws no object.
     pub(super) fn bind_all(
         &mut self,
         frame: &mut FrameState<'_>,

@@ -155,7 +155,7 @@ impl Renderer {
         ))
     }
 
-    /// What `pass` gives for each light and pixel; red's `clear` where nothing is seen.
+    /// Results of `pass` for each light and pixel; red's `clear` where nothing is seen.
     fn by_light(
         &mut self,
         frame: &mut FrameState<'_>,
@@ -173,7 +173,7 @@ impl Renderer {
             let (to, air) = ((&target, true), air::lit(shot, light));
             let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             let reads = lamp.reads();
-            // What is counted is what a method fetches, and no mask is one.
+            // Fetches are counted of methods, and no mask is one.
             let mask = if frame.options.what == What::ShadowTerm {
                 self.mask(frame, shot, (&target, true), &mut masks, (reads, &lit))?
             } else {
@@ -183,7 +183,7 @@ impl Renderer {
             let state = camera_state(format, pass, &[reads]);
             let mut commands =
                 self.prepare(frame, &inputs(shot, pass, vec![reads], state), &lit)?;
-            // What the light does not reach hides what lies behind it, is shaded by nothing, and is drawn
+            // Objects that the light does not reach hide what lies behind them, are shaded by nothing, and are drawn
             // for no light's sake.
             let unlit: Vec<_> = shot
                 .visible
@@ -208,7 +208,7 @@ impl Renderer {
     ) -> Result<Picture, RenderError> {
         let format = wgpu::TextureFormat::R32Float;
         let target = self.target(frame, format)?;
-        // What is seen, in no light: its depth is all that is read.
+        // Surfaces seen, in no light: their depth is all that is read.
         let pass = self.pass("shadow_term")?;
         let seen = inputs(shot, pass, Vec::new(), camera_state(format, pass, &[]));
         let commands = self.prepare(frame, &seen, &shot.visible)?;
@@ -302,7 +302,7 @@ impl Renderer {
         Target::new(&self.gpu, frame.options.width, frame.options.height, format)
     }
 
-    /// What shaders read of a light: draws its shadow maps, where it has a method, for the objects at `lit` and the air.
+    /// A light as shaders read it: draws its shadow maps, where it has a method, for the objects at `lit` and the air.
     pub(super) fn light_up<'a>(
         &mut self,
         frame: &mut FrameState<'_>,
@@ -377,7 +377,7 @@ impl Renderer {
     }
 }
 
-/// What the camera's pass draws with: for the `lights` that it reads.
+/// Inputs of the camera's pass, for the `lights` that it reads.
 fn inputs<'a>(
     shot: &Shot<'_>,
     pass: NamedPass<'a>,
@@ -398,7 +398,7 @@ fn inputs<'a>(
     }
 }
 
-/// What a shader reads that finds the shadow term in `mask`, if there is one.
+/// The light's inputs for a shader that finds the shadow term in `mask`, if there is one.
 fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> LightInputs<'a> {
     match mask {
         None => reads,

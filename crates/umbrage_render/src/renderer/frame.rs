@@ -32,7 +32,7 @@ pub(super) const PLANE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// The binding of the depth that the picture's passes leave.
 pub(super) const SEEN_DEPTH: &str = "seen_depth";
 
-/// What is being rendered, and what has been found out on the way.
+/// A picture under way, and what has been found out about it.
 pub(super) struct FrameState<'a> {
     pub(super) options: &'a RenderOptions,
     pub(super) objects: Objects<'a>,
@@ -41,7 +41,7 @@ pub(super) struct FrameState<'a> {
     pub(super) timer: Timer,
     /// The lights whose shadow maps this frame uses, by their numbers.
     pub(super) shadow_maps: BTreeSet<u64>,
-    /// What is seen, where it was laid down.
+    /// Planes of what is seen, where they were laid down.
     pub(super) planes: Option<wgpu::TextureView>,
     /// The depth of what is seen, once it is there for the air.
     pub(super) seen_depth: Option<wgpu::TextureView>,
@@ -57,7 +57,7 @@ pub(super) struct FrameState<'a> {
     pub(super) buffers: Vec<((usize, String, BindingKind), Resource)>,
 }
 
-/// What all draws of one pass share.
+/// Inputs that all draws of one pass share.
 pub(super) struct PassInputs<'a> {
     pub(super) pass: NamedPass<'a>,
     /// The light on whose account it is drawn.
@@ -88,7 +88,7 @@ pub(super) struct Lamp<'a> {
 }
 
 impl Lamp<'_> {
-    /// What a shader reads of it that finds the shadow term for itself.
+    /// Inputs of a shader that finds the shadow term for itself.
     pub(super) fn reads(&self) -> LightInputs<'_> {
         LightInputs {
             setup: self.setup,
@@ -151,7 +151,7 @@ impl FrameState<'_> {
     }
 }
 
-/// What of the lights' resources must not be filtered.
+/// Resources of the lights that must not be filtered.
 pub(super) fn unfiltered(lights: &[LightInputs<'_>]) -> Unfiltered {
     let none = ShadowResources::default();
     let shadows: Vec<_> = lights.iter().map(|l| l.shadow.unwrap_or(&none)).collect();

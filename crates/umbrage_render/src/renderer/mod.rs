@@ -42,14 +42,14 @@ pub struct Renderer {
     pictures: u64,
 }
 
-/// What to render.
+/// Choices for a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// What the picture shows.
+    /// Contents of the picture.
     pub what: What,
     /// Choices put over those of the lights' own: a method for all lights that [cast shadows](Scene::casts_shadow)
     /// ([`Shadow::NONE`] takes all shadows away, an empty one keeps the lights' own), and values of axes and settings. Here,
@@ -74,7 +74,7 @@ pub struct RenderOptions {
 /// The most steps that a ray through a medium may have.
 pub const MOST_SHAFT_STEPS: u32 = 4096;
 
-/// What a picture shows.
+/// Contents of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum What {
     /// The scene.
@@ -175,7 +175,7 @@ impl Default for RenderOptions {
     }
 }
 
-/// What one picture is rendered from.
+/// Everything that one picture is rendered from.
 struct Shot<'a> {
     scene: &'a Scene,
     view: View,
@@ -229,11 +229,11 @@ impl Renderer {
         let gpu = Arc::clone(&self.gpu);
         let done = gpu.check(|| self.render_unchecked(scene, options));
         if done.is_err() {
-            // What was made along with the error may be broken.
+            // Things made along with the error may be broken.
             self.assets = Assets::default();
             self.executor.clear();
         } else if matches!(done, Ok(Err(_))) {
-            // What was recorded of shadow maps was not drawn.
+            // Recorded passes into shadow maps were not drawn.
             self.executor.retain(|_| false);
         }
         let mut rendered = done??;
@@ -338,7 +338,7 @@ mod tests {
 
     use super::*;
 
-    /// What is kept on the device. Holding it keeps others from getting its place.
+    /// Things kept on the device. Holding it keeps others from getting its place.
     #[derive(Debug, PartialEq)]
     struct Kept {
         meshes: Vec<wgpu::Buffer>,

@@ -57,7 +57,7 @@ impl Renderer {
     }
 }
 
-/// What a pass for no light draws with.
+/// Inputs of a pass for no light.
 fn inputs<'a>(shot: &Shot<'_>, pass: NamedPass<'a>, state: DrawState) -> PassInputs<'a> {
     PassInputs {
         pass,

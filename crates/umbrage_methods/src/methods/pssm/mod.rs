@@ -25,7 +25,7 @@
 //! - `tight`: the rectangle of the receivers seen in the split, as far as casters lie in it, and the range as it is. Texels are finer, and
 //!   follow the view from frame to frame.
 //!
-//! What is split is what receivers' boxes say may be seen. They say too much where something near hides a long street:
+//! Splits divide the view depths that receivers' boxes say may be seen. They say too much where something near hides a long street:
 //! with the axis `range` at `depths`, the range ends where pixels see something: a first plan reduces the camera's depth to
 //! two numbers and asks for them, and the second one splits what lies between (after Lauritzen, Salvi and Lefohn 2011,
 //! "Sample distribution shadow maps", of which this is the range alone). It costs a pass over the camera's depth for each
@@ -57,7 +57,7 @@
 //! `channels` (W + 1)², of 16 bytes each, where a depth map's texel has four. With `taper` W is that of the pixel's own
 //! split, which is a loop of so many turns where one shader is for all splits.
 //!
-//! What a compiler makes of the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
+//! A compiler's figures for the shadow term under a directional light with W = 3 (RDNA 2, Mesa's RADV; `umbrage cost
 //! permutations/demo.ron`), and how many four-component uniforms it reads (the reflection in `umbrage prebuild
 //! permutations/demo.ron`; `storage` has five a split in its buffer besides, `matrix_texture` five texels). Each needs one
 //! interpolator, the position. Beside it what the idea's author counted of his own on arbfp1, with one fetch a map:
