@@ -165,10 +165,14 @@ impl<'a> Frame<'a> {
     pub fn reach(&self, number: usize) -> Result<f64, PlanError> {
         let filter = self.filter()?;
         let reach = filter.reach(self, number)?;
-        let what = format!("the reach of the filter `{}`", filter.name());
-        let holds = reach.is_finite() && reach >= 0.0;
-        PlanError::check(holds, &what, reach, "finite, and not below 0")?;
-        Ok(reach)
+        if reach.is_finite() && reach >= 0.0 {
+            return Ok(reach);
+        }
+        Err(PlanError::Invalid {
+            what: format!("the reach of the filter `{}`", filter.name()),
+            value: reach.to_string(),
+            expected: "finite, and not below 0".to_owned(),
+        })
     }
 
     /// The filter's [bias](Filter::depth_bias), texels, where a scene chose `texels`.
@@ -178,9 +182,14 @@ impl<'a> Frame<'a> {
     pub fn depth_bias(&self, texels: f64, side: u32) -> Result<f64, PlanError> {
         let filter = self.filter()?;
         let bias = filter.depth_bias(self, texels, side)?;
-        let what = format!("the bias of the filter `{}`", filter.name());
-        PlanError::check(bias.is_finite(), &what, bias, "finite")?;
-        Ok(bias)
+        if bias.is_finite() {
+            return Ok(bias);
+        }
+        Err(PlanError::Invalid {
+            what: format!("the bias of the filter `{}`", filter.name()),
+            value: bias.to_string(),
+            expected: "finite".to_owned(),
+        })
     }
 
     /// Bias of a receiver's depth d in a map before it is compared, towards the light, as x + y · d.
