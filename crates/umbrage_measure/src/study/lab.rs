@@ -21,6 +21,8 @@ pub struct Lab {
     composer: Arc<Composer>,
     registry: Registry,
     renderer: Renderer,
+    /// Draws what the renderer's pictures are timed beside, with maps of its own.
+    beside: Renderer,
     adapter: String,
 }
 
@@ -44,8 +46,10 @@ impl Lab {
     /// A lab whose permutations come from `composer`.
     pub fn new(gpu: Arc<Gpu>, composer: Arc<Composer>, registry: Registry) -> Self {
         let adapter = gpu.adapter().to_owned();
+        let renderer = || Renderer::new(Arc::clone(&gpu), Arc::clone(&composer), registry.clone());
         Self {
-            renderer: Renderer::new(gpu, Arc::clone(&composer), registry.clone()),
+            renderer: renderer(),
+            beside: renderer(),
             composer,
             registry,
             adapter,
@@ -187,17 +191,23 @@ impl Lab {
             .collect())
     }
 
-    /// The shaded picture, and how long its passes took.
-    pub(super) fn shaded(
+    /// The shaded picture, and how long its passes took: drawn where all else is drawn, or beside that.
+    pub(super) fn timed(
         &mut self,
         subject: &Subject<'_>,
         options: &RenderOptions,
+        is_own: bool,
     ) -> Result<Rendered, RenderError> {
+        let renderer = if is_own {
+            &mut self.renderer
+        } else {
+            &mut self.beside
+        };
         let options = RenderOptions {
             timed: true,
             ..options.clone()
         };
-        self.render(subject.scene, &options)
+        renderer.render(subject.scene, &options)
     }
 
     /// The scene without its shadows.

@@ -2,7 +2,7 @@
 
 use crate::report::{
     Row, Spread,
-    format::{number, whole},
+    format::{doubt, number, whole},
     pareto::memory,
 };
 
@@ -259,13 +259,13 @@ pub(super) static GROUPS: &[Group] = &[
         shown: true,
         columns: &[
             Column {
-                beside: Some(|row| Some(range(row.time_ratio_spread))),
+                beside: Some(|row| doubt(&row.time_ratio)),
                 ..column(
                     "time_ratio",
                     "time",
                     "× basic",
-                    "casters and shading, relative to basic with one tap in the same run: median, and the range",
-                    |row| Some(row.time_ratio),
+                    "casters and shading, relative to basic with one tap, drawn pair by pair: median, and its interval",
+                    |row| row.time_ratio.is_told().then_some(row.time_ratio.median),
                     number,
                 )
             },
@@ -331,6 +331,30 @@ pub(super) static GROUPS: &[Group] = &[
                 "",
                 "in the method's textures",
                 |row| Some(count(row.texels)),
+                whole,
+            ),
+            column(
+                "texels_written",
+                "texels written",
+                "",
+                "that passes fill in one picture",
+                |row| Some(count(row.texels_written)),
+                whole,
+            ),
+            column(
+                "triangles",
+                "triangles",
+                "",
+                "of casters that passes draw in one picture",
+                |row| Some(count(row.triangles)),
+                whole,
+            ),
+            column(
+                "vertices",
+                "vertices",
+                "",
+                "of these triangles, each once a pass",
+                |row| Some(count(row.vertices)),
                 whole,
             ),
             column(
