@@ -54,7 +54,12 @@ pub(super) fn choices<'a>(rows: &[&'a Row]) -> Vec<Choice<'a>> {
     let mut choices: Vec<Choice<'a>> = Vec::new();
     for (why, row) in found {
         let Some(row) = row else { continue };
-        match choices.iter_mut().find(|c| std::ptr::eq(c.row, row)) {
+        // Of equals the one that is named already.
+        let is_equal = |choice: &&mut Choice<'_>| {
+            let figures = |row: &Row| (row.error(), row.memory_bytes);
+            figures(choice.row) == figures(row)
+        };
+        match choices.iter_mut().find(is_equal) {
             Some(choice) => choice.because.push(why),
             None => choices.push(Choice {
                 row,

@@ -11,8 +11,8 @@ use umbrage_shadow::{LightKind, Registry, Support};
 
 use super::{Config, StudyError};
 use crate::{
-    figures::{Figures, Sample, figures, flip},
-    report::Pictures,
+    figures::{Figures, Sample, back_facing, figures, flip},
+    report::{Pictures, difference},
     truth::Truth,
 };
 
@@ -355,24 +355,44 @@ impl Subject<'_> {
         shaded: Option<&Rendered>,
     ) -> Result<Pictures, StudyError> {
         let rendered = terms(rendered);
-        let (mut truth, mut drawn) = (Vec::new(), Vec::new());
-        for pixel in 0..self.truth.sight.seen().len() {
-            let lights = self.truth.terms.iter().zip(rendered);
-            // Where a light does not reach, what its method says does not matter.
-            let reached = lights.filter_map(|(truth, drawn)| Some((truth[pixel]?, drawn[pixel])));
-            let product = reached.reduce(|a, b| (a.0 * b.0, a.1 * b.1));
-            truth.push(product.map(|(truth, _)| truth));
-            drawn.push(product.map_or(1.0, |(_, drawn)| drawn));
-        }
-        let compared: Vec<_> = (0..truth.len()).map(|pixel| self.agrees(pixel)).collect();
+        let back_facing = back_facing(self.scene, &self.truth.sight)?;
+        let pixels = 0..self.truth.sight.seen().len();
+        // The product of the truths and that of what was drawn, over the lights that reach a pixel: what the method says of
+        // others does not matter.
+        let product = |pixel: usize, is_seen: &dyn Fn(usize) -> bool| {
+            let lights = self.truth.terms.iter().zip(rendered).enumerate();
+            let reached = lights.filter(|(light, _)| is_seen(*light));
+            let reached =
+                reached.filter_map(|(_, (truth, drawn))| Some((truth[pixel]?, drawn[pixel])));
+            reached.reduce(|a, b| (a.0 * b.0, a.1 * b.1))
+        };
+        let split = |products: Vec<Option<(f32, f32)>>| {
+            let products = products.into_iter();
+            products
+                .map(|product| {
+                    (
+                        product.map(|(truth, _)| truth),
+                        product.map_or(1.0, |(_, drawn)| drawn),
+                    )
+                })
+                .unzip::<_, _, Vec<_>, Vec<_>>()
+        };
+        let (truth, drawn) = split(
+            pixels
+                .clone()
+                .map(|pixel| product(pixel, &|_| true))
+                .collect(),
+        );
+        // Nobody sees an error where a light's side is turned away from it.
+        let seen = pixels
+            .clone()
+            .map(|pixel| product(pixel, &|light| !back_facing[light][pixel]));
+        let (true_seen, drawn_seen) = split(seen.collect());
+        let compared: Vec<_> = pixels.map(|pixel| self.agrees(pixel)).collect();
+        let (width, height) = self.size();
+        let difference = difference(&true_seen, &drawn_seen, &compared, width, height)?;
         let shaded = shaded.map(|shaded| shaded.to_image().into_rgb8());
-        Ok(Pictures::new(
-            &truth,
-            &drawn,
-            &compared,
-            self.size(),
-            shaded.as_ref(),
-        )?)
+        Ok(Pictures::new(&truth, &drawn, difference, shaded.as_ref())?)
     }
 }
 

@@ -145,6 +145,20 @@ pub(super) static GROUPS: &[Group] = &[
                 |row| Some(row.error() * 100.0),
                 number,
             ),
+            maybe!(
+                error_of_shadow,
+                100.0,
+                "of shadow",
+                "%",
+                "the error as a share of what is in shadow in truth"
+            ),
+            maybe!(
+                false_lit_of_shadow,
+                100.0,
+                "false lit of shadow",
+                "%",
+                "false lit as a share of what is in shadow in truth"
+            ),
             share!(false_lit, "false lit", "lit, but should be in shadow"),
             share!(false_shadow, "false shadow", "in shadow, but should be lit"),
             column(
@@ -190,7 +204,7 @@ pub(super) static GROUPS: &[Group] = &[
             share!(
                 back_facing,
                 "back-facing",
-                "the back-facing side of a thin caster, which gets no light anyway"
+                "wrong on what is turned away from the light, where nobody sees it: not in the error"
             ),
             share!(
                 peter_panning,
@@ -440,6 +454,11 @@ pub(super) static GROUPS: &[Group] = &[
                 |row| Some(count(row.figures.compared)),
                 whole,
             ),
+            share!(
+                in_shadow,
+                "in shadow",
+                "in shadow in truth, of what faces the light"
+            ),
             column(
                 "left_out",
                 "left out",
@@ -478,9 +497,9 @@ mod tests {
                 Value::Object(members) => {
                     for (member, value) in members {
                         match (name.as_str(), member.as_str()) {
-                            ("isa", "family") | (_, "min" | "max") => {}
-                            // Of `time_ratio`, which is its median; and of `fetches_per_pixel`, their mean.
-                            ("time_ratio_spread" | "fetch_shares", _) => {}
+                            ("isa", "family") | (_, "min" | "max" | "low" | "high" | "pairs") => {}
+                            // Of `fetches_per_pixel`, their mean.
+                            ("fetch_shares", _) => {}
                             (_, "median") => {
                                 figures.insert(name.clone(), value.as_f64().expect("a number"));
                             }
@@ -491,7 +510,8 @@ mod tests {
                     }
                 }
                 _ => assert!(
-                    ["scene", "method", "config", "path", "pareto"].contains(&name.as_str()),
+                    ["scene", "method", "config", "path", "pareto", "time_pairs"]
+                        .contains(&name.as_str()),
                     "{name} has no column"
                 ),
             }

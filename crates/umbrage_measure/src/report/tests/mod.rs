@@ -255,8 +255,7 @@ fn a_shaded_picture_is_shown_beside_the_others() {
     let pictures = Pictures::new(
         &[Some(1.0); 2],
         &[1.0; 2],
-        &[true; 2],
-        (2, 1),
+        RgbImage::new(2, 1),
         Some(&shaded),
     );
     let (_, html) = render(&report, &[pictures.expect("pictures")]).expect("a report");

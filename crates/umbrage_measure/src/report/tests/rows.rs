@@ -6,7 +6,7 @@ use umbrage_render::LeftOut;
 
 use crate::{
     figures::Figures,
-    report::{Decided, Isa, Pictures, Ratio, Report, Row, SceneInfo, Skipped, Spread},
+    report::{Decided, Isa, Pictures, Ratio, Report, Row, SceneInfo, Skipped, Spread, difference},
 };
 
 /// A row with an error of 0, and a time.
@@ -39,6 +39,9 @@ pub(in crate::report) fn full_row() -> Row {
             left_out: 1002,
             false_lit: 0.11,
             false_shadow: 0.12,
+            in_shadow: 0.125,
+            false_lit_of_shadow: Some(0.88),
+            error_of_shadow: Some(1.84),
             acne: 0.13,
             back_facing: 0.145,
             peter_panning: 0.14,
@@ -185,6 +188,9 @@ fn fake_row(
             left_out: 131,
             false_lit: error * 0.6,
             false_shadow: error * 0.4,
+            in_shadow: 0.2,
+            false_lit_of_shadow: Some(error * 3.0),
+            error_of_shadow: Some(error * 5.0),
             acne: error * 0.02,
             back_facing: 0.0,
             peter_panning: error * 0.1,
@@ -260,7 +266,9 @@ pub(super) fn pictures_of(report: &Report) -> Vec<Pictures> {
             rendered.push(shadow((x / step).floor() * step, (y / step).floor() * step));
             compared.push(y > 12.0 && index % 211 != 0);
         }
-        Pictures::new(&truth, &rendered, &compared, PICTURE, None).expect("pictures")
+        let difference = difference(&truth, &rendered, &compared, width, height);
+        let difference = difference.expect("of one size");
+        Pictures::new(&truth, &rendered, difference, None).expect("pictures")
     };
     report.rows.iter().map(picture).collect()
 }
