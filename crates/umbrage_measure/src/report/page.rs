@@ -2,6 +2,7 @@
 //!
 //! Written with `maud`: its markup is checked when compiled, and it escapes whatever comes from outside.
 
+mod overview;
 mod scene;
 
 use std::collections::BTreeMap;
@@ -10,8 +11,8 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
-    FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, Pictures, Report, ReportError, Row,
-    format::percent, names::Names, table::table,
+    FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, Pictures, Report, ReportError, Row, names::Names,
+    table::table,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -150,99 +151,6 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Configurations by scenes: which are worth having everywhere.
-    fn overview(&self) -> Markup {
-        if self.scenes.len() < 2 {
-            return html! {};
-        }
-        let lines = self.lines();
-        let shown = 10;
-        html! {
-            section #all-scenes {
-                h2 { "All scenes" }
-                p.note {
-                    "Error of each configuration in each scene. " span.star { "★" } " on the Pareto front, "
-                    span.near { "green" } " within twice the scene's least error; those on most fronts come first."
-                }
-                div.scroll tabindex="0" role="region" aria-label="Errors by scene" {
-                    (self.matrix(lines.get(..shown).unwrap_or(&lines)))
-                }
-                @if let Some(rest) = lines.get(shown..).filter(|rest| !rest.is_empty()) {
-                    details {
-                        summary { (rest.len()) " more" }
-                        div.scroll { (self.matrix(rest)) }
-                    }
-                }
-            }
-        }
-    }
-
-    fn matrix(&self, lines: &[Line<'a>]) -> Markup {
-        html! {
-            table.matrix {
-                thead { tr {
-                    th scope="col" { "configuration" }
-                    @for (number, (scene, _)) in self.scenes.iter().enumerate() {
-                        th scope="col" { a href={ "#scene-" (number) } { (scene) } }
-                    }
-                    th scope="col" { "on fronts" }
-                } }
-                tbody {
-                    @for line in lines {
-                        tr {
-                            th scope="row" { (line.name) }
-                            @for (row, least) in line.rows.iter().zip(self.least()) {
-                                @match row {
-                                    Some(row) => {
-                                        td.near[row.error() <= 2.0 * least] {
-                                            a href={ "#row-" (self.index(row)) } { (percent(row.error())) }
-                                            @if row.pareto { span.star { " ★" } } @else { span.star.none { " ★" } }
-                                        }
-                                    }
-                                    None => { td { "" } }
-                                }
-                            }
-                            td { (line.fronts()) " of " (line.rows.iter().flatten().count()) }
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// The least error of each scene.
-    fn least(&self) -> Vec<f64> {
-        (0..self.scenes.len())
-            .map(|scene| {
-                let errors = self.rows(scene).into_iter().map(Row::error);
-                errors.fold(f64::INFINITY, f64::min)
-            })
-            .collect()
-    }
-
-    /// A line a configuration: those on most fronts first, and of those the one whose worst error is least.
-    fn lines(&self) -> Vec<Line<'a>> {
-        let mut lines: BTreeMap<String, Line<'a>> = BTreeMap::new();
-        for scene in 0..self.scenes.len() {
-            for row in self.rows(scene) {
-                let name = self.names.row(row);
-                let line = lines.entry(name.clone()).or_insert_with(|| Line {
-                    name,
-                    rows: vec![None; self.scenes.len()],
-                });
-                if let Some(place) = line.rows.get_mut(scene) {
-                    *place = Some(row);
-                }
-            }
-        }
-        let mut lines: Vec<_> = lines.into_values().collect();
-        lines.sort_by(|a, b| {
-            let fronts = b.fronts().cmp(&a.fronts());
-            fronts.then(a.worst().total_cmp(&b.worst()))
-        });
-        lines
-    }
-
     fn skipped(&self) -> Markup {
         html! {
             @if !self.report.skipped.is_empty() {
@@ -284,30 +192,6 @@ impl<'a> Page<'a> {
             ));
         }
         css
-    }
-}
-
-/// A configuration across the scenes; none where it was not drawn.
-struct Line<'a> {
-    name: String,
-    rows: Vec<Option<&'a Row>>,
-}
-
-impl Line<'_> {
-    fn fronts(&self) -> usize {
-        self.rows.iter().flatten().filter(|row| row.pareto).count()
-    }
-
-    fn worst(&self) -> f64 {
-        let errors = self.rows.iter().flatten().map(|row| row.error());
-        errors.fold(0.0, |worst, error| {
-            // An unknown error may be the worst.
-            if error.is_nan() {
-                f64::INFINITY
-            } else {
-                error.max(worst)
-            }
-        })
     }
 }
 

@@ -203,6 +203,14 @@ fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost
     let mut order: Vec<&Point<'_>> = points.iter().collect();
     // The mark drawn last lies on top, and the one labelled first has the choice of places.
     order.sort_by_key(|point| point.on_front);
+    // The one to see before all others: where the error is least.
+    let least = points.iter().map(|point| point.row.error());
+    let least = least.fold(f64::INFINITY, f64::min);
+    let best = order.iter().rposition(|point| point.row.error() <= least);
+    if let Some(best) = best {
+        let best = order.remove(best);
+        order.push(best);
+    }
     let several = points.iter().any(|p| p.row.method != points[0].row.method);
     let marks: Vec<Mark> = order
         .iter()
@@ -211,6 +219,7 @@ fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost
             x: point.x,
             y: point.y,
             on_front: point.on_front,
+            must: point.row.error() <= least,
             text: label(point.row, names, several),
         })
         .collect();

@@ -6,11 +6,10 @@ use umbrage_render::Decision;
 use super::{Page, data_url};
 use crate::report::{
     Pictures, ReportError, Row,
-    format::{bytes, percent, time, whole},
-    pareto::memory,
+    format::{self, bytes, percent, whole},
     plot::{Cost, MEMORY, TIME, plot, swatch},
     table::key_figures,
-    verdict::{Choice, choices, ladder},
+    verdict::{Candidate, Choice, choices, in_scene, ladder},
 };
 
 impl Page<'_> {
@@ -60,14 +59,26 @@ impl Page<'_> {
     }
 
     fn verdict(&self, rows: &[&Row]) -> Markup {
-        let choices = choices(rows);
+        let choices = choices(&in_scene(rows));
         let bad = rows.iter().filter(|row| row.figures.bad_pixels > 0).count();
         html! {
             @if choices.is_empty() {
                 p.warning { "No configuration gave figures to choose by." }
             } @else {
                 div.choices {
-                    @for (place, choice) in choices.iter().enumerate() { (self.card(choice, place == 0)) }
+                    @for (place, choice) in choices.iter().enumerate() {
+                        @let row = choice.candidate.row;
+                        @let error = html! {
+                            b { (percent(row.error())) } " error"
+                            @if let Some(share) = row.figures.error_of_shadow { ", " (percent(share)) " of the shadow" }
+                        };
+                        (card(self, choice, place == 0, error))
+                    }
+                }
+            }
+            @if !has_shadow(rows) {
+                p.note {
+                    "Nothing here that faces a light is in shadow in truth: what is wrong is false shadow alone."
                 }
             }
             @if bad > 0 {
@@ -75,26 +86,6 @@ impl Page<'_> {
                     (counted(bad, "configuration")) " drew bad pixels (no number, or outside 0..1) and "
                     @if bad == 1 { "is" } @else { "are" } " not proposed."
                 }
-            }
-        }
-    }
-
-    fn card(&self, choice: &Choice<'_>, first: bool) -> Markup {
-        let row = choice.row;
-        html! {
-            a.card.first[first] href={ "#row-" (self.index(row)) } {
-                @if first { span.badge { "Choose" } }
-                span.because { (capital(&choice.because.join("; "))) }
-                strong { (swatch(&self.names, &row.method)) (self.names.row(row)) }
-                span.figures {
-                    span { b { (percent(row.error())) } " error" }
-                    span { b { (time(&row.time_ratio)) } " time" }
-                    span { b { (bytes(memory(row))) } " memory" }
-                }
-                @if choice.as_fast > 0 {
-                    span.split { (counted(choice.as_fast, "other")) " may be as fast" }
-                }
-                span.split { (percent(row.figures.false_lit)) " false lit, " (percent(row.figures.false_shadow)) " false shadow" }
             }
         }
     }
@@ -216,6 +207,33 @@ impl Page<'_> {
                 (picture("difference", &pictures.difference))
                 @if let Some(shaded) = &pictures.shaded { (picture("shaded", shaded)) }
                 @if let Some(decisions) = &pictures.decisions { (picture("decisions", decisions)) }
+            }
+        }
+    }
+}
+
+/// Whether anything that faces a light is in shadow in truth.
+pub(super) fn has_shadow(rows: &[&Row]) -> bool {
+    rows.iter().any(|row| row.figures.in_shadow > 0.0)
+}
+
+/// A choice, with its `error` as it is to be read.
+pub(super) fn card(page: &Page<'_>, choice: &Choice<'_>, first: bool, error: Markup) -> Markup {
+    let Candidate {
+        row, time, memory, ..
+    } = &choice.candidate;
+    html! {
+        a.card.first[first] href={ "#row-" (page.index(row)) } {
+            @if first { span.badge { "Choose" } }
+            span.because { (capital(&choice.because.join("; "))) }
+            strong { (swatch(&page.names, &row.method)) (page.names.row(row)) }
+            span.figures {
+                span { (error) }
+                span { b { (format::time(time)) } " time" }
+                span { b { (bytes(*memory)) } " memory" }
+            }
+            @if choice.as_fast > 0 {
+                span.split { (counted(choice.as_fast, "other")) " may be as fast" }
             }
         }
     }
