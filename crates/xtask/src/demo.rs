@@ -18,8 +18,10 @@ const MANIFEST: &str = "permutations/demo.ron";
 const PICTURES: &str = "target/umbrage/demo";
 const SIZE: &str = "960x540";
 const REPORT: &str = "target/umbrage/report";
+/// A dozen of those that `umbrage compare` has by itself.
+const CONFIGS: &str = "examples/configs.ron";
 /// Large enough to see what differs, and small enough for a software rasteriser.
-const REPORT_SIZE: &str = "480x270";
+const REPORT_SIZE: &str = "384x216";
 /// Enough for an interval; `umbrage compare` takes more for a narrow one.
 const REPORT_PAIRS: &str = "7";
 
@@ -60,8 +62,13 @@ pub(crate) fn demo() -> Result<()> {
     let mut compare = umbrage(&["compare"]);
     compare.args(&files);
     compare.args([
+        "--configs",
+        CONFIGS,
         "--size",
         REPORT_SIZE,
+        // Shimmer needs several pictures of each, which take as long as all else.
+        "--frames",
+        "0",
         "--pairs",
         REPORT_PAIRS,
         "--out",

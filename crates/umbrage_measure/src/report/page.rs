@@ -22,6 +22,9 @@ const SCRIPT: &str = include_str!("page.js");
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
+/// Characters that pictures may take, so that the page is sent and opened in a moment.
+const PICTURES: usize = 3_000_000;
+
 /// Data that the parts of the page share.
 struct Page<'a> {
     report: &'a Report,
@@ -31,6 +34,17 @@ struct Page<'a> {
     scenes: Vec<(&'a str, Vec<usize>)>,
     /// The true pictures, each once, with the number of its class.
     truths: BTreeMap<&'a [u8], usize>,
+    /// Pictures that are shown of each row.
+    shown: Vec<Shown>,
+}
+
+/// Pictures of a row that the page has room for.
+#[derive(Clone, Copy, Default)]
+struct Shown {
+    /// Where it is wrong.
+    difference: bool,
+    /// All others.
+    others: bool,
 }
 
 /// The page, with `pictures` for each row. The front is marked.
@@ -45,6 +59,7 @@ pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, Rep
         pictures,
         names: Names::of(report),
         scenes: by_scene(report),
+        shown: shown(report, pictures, truths.keys().map(|png| png.len()).sum()),
         truths,
     };
     let scenes: Vec<Markup> = (0..page.scenes.len())
@@ -80,6 +95,35 @@ pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, Rep
         }
     }
     .into_string())
+}
+
+/// What there is room for beside truths of so many bytes: first where the front is wrong, then its other pictures, then where
+/// the rest is wrong.
+fn shown(report: &Report, pictures: &[Pictures], truths: usize) -> Vec<Shown> {
+    // Base64 makes four characters of three bytes.
+    let mut room = (PICTURES * 3 / 4).saturating_sub(truths);
+    let mut take = |bytes: usize| {
+        let fits = bytes <= room;
+        room -= if fits { bytes } else { 0 };
+        fits
+    };
+    let mut shown = vec![Shown::default(); pictures.len()];
+    let rows = || report.rows.iter().zip(pictures).enumerate();
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| row.pareto) {
+        shown[index].difference = take(pictures.difference.len());
+    }
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| row.pareto) {
+        let others = [
+            Some(&pictures.rendered),
+            pictures.shaded.as_ref(),
+            pictures.decisions.as_ref(),
+        ];
+        shown[index].others = take(others.into_iter().flatten().map(Vec::len).sum());
+    }
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| !row.pareto) {
+        shown[index].difference = take(pictures.difference.len());
+    }
+    shown
 }
 
 /// The rows' numbers by scenes: first the scenes that the report lists, then others as the rows come.

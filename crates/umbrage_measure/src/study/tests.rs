@@ -102,6 +102,13 @@ fn what_is_standard_is_known_and_holds_the_baseline() {
     let standard = Config::standard(&["basic".to_owned()], lab.registry(), lab.library());
     let standard = standard.expect("sound");
     assert!(standard.len() > 5 && standard.iter().all(|config| configs.contains(config)));
+    // And the dozen that the demo shows.
+    let file = RonFile::new(
+        "configs.ron",
+        include_str!("../../../../examples/configs.ron"),
+    );
+    let dozen = Config::read(&file, lab.registry(), lab.library()).expect("sound");
+    assert!(dozen.len() == 12 && dozen.iter().all(|config| configs.contains(config)));
     assert_eq!(baseline().shadow, Shadow::new("basic").with("pcf", "1"));
     assert!(Config::standard(&["none".to_owned()], lab.registry(), lab.library()).is_err());
 }

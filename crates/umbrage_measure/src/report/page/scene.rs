@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use umbrage_render::Decision;
 
-use super::{Page, data_url};
+use super::{Page, Shown, data_url};
 use crate::report::{
     Pictures, ReportError, Row,
     format::{self, bytes, percent, whole},
@@ -155,17 +155,21 @@ impl Page<'_> {
                     span { span.patch.bad {} "bad pixel" }
                     span.js hidden { "Click a picture to enlarge it." }
                 }
+                p.note {
+                    "Off the front, the difference alone is shown, and as many pictures as keep the page small; "
+                    code { "umbrage render" } " draws any."
+                }
                 @if front.iter().chain(&rest).any(|(.., pictures)| pictures.decisions.is_some()) { (decisions()) }
                 @for (index, row, pictures) in front {
                     article.row id={ "row-" (index) } {
                         h3 { (self.title(row)) }
-                        (self.pictures(row, pictures))
+                        (self.pictures(row, pictures, self.shown.get(index).copied().unwrap_or_default()))
                     }
                 }
                 @for (index, row, pictures) in rest {
                     details.row id={ "row-" (index) } {
                         summary { (self.title(row)) }
-                        (self.pictures(row, pictures))
+                        (self.pictures(row, pictures, self.shown.get(index).copied().unwrap_or_default()))
                     }
                 }
             }
@@ -179,7 +183,7 @@ impl Page<'_> {
         }
     }
 
-    fn pictures(&self, row: &Row, pictures: &Pictures) -> Markup {
+    fn pictures(&self, row: &Row, pictures: &Pictures, shown: Shown) -> Markup {
         let name = self.names.row(row);
         let (width, height) = pictures.size;
         let ratio = format!("aspect-ratio:{width}/{height}");
@@ -199,14 +203,14 @@ impl Page<'_> {
         };
         html! {
             div.pictures {
-                (picture("shadow term", &pictures.rendered))
+                @if shown.others { (picture("shadow term", &pictures.rendered)) }
                 figure {
                     div class={ "truth truth-" (truth) } style=(ratio) role="img" aria-label="true shadow term" {}
                     figcaption { "truth" }
                 }
-                (picture("difference", &pictures.difference))
-                @if let Some(shaded) = &pictures.shaded { (picture("shaded", shaded)) }
-                @if let Some(decisions) = &pictures.decisions { (picture("decisions", decisions)) }
+                @if shown.difference { (picture("difference", &pictures.difference)) }
+                @if let Some(shaded) = pictures.shaded.as_ref().filter(|_| shown.others) { (picture("shaded", shaded)) }
+                @if let Some(decisions) = pictures.decisions.as_ref().filter(|_| shown.others) { (picture("decisions", decisions)) }
             }
         }
     }
