@@ -116,8 +116,10 @@ fn configurations_become_rows_of_a_report() {
     // A rectangle and a cube, four bytes a texel; 1 fetch and 9 or 25 of them.
     assert_eq!(number(small, "memory_bytes"), 7.0 * 4.0 * 128.0 * 128.0);
     assert_eq!(number(small, "fetches_per_pixel"), 1.0);
-    // All of it is filled once. The sun's pass and the faces of the lamp's cube that see either draw floor and ball.
-    assert_eq!(number(small, "texels_written"), 7.0 * 128.0 * 128.0);
+    // The sun's map, and the faces of the lamp's cube that see floor or ball; the others stay as they are.
+    let passes = number(small, "passes");
+    assert!(1.0 < passes && passes < 7.0, "{passes}");
+    assert_eq!(number(small, "texels_written"), passes * 128.0 * 128.0);
     assert!(number(small, "triangles") > number(small, "vertices"));
     assert_eq!(number(small, "triangles"), number(large, "triangles"));
     assert_eq!(small["fetch_shares"], serde_json::json!({ "1": 1.0 }));
