@@ -334,7 +334,7 @@ fn the_verdict_over_all_scenes_comes_first() {
             "Errors in all scenes"
         ]
     );
-    assert!(texts(&page, "#all-scenes .card strong").len() > 1);
+    assert!(!texts(&page, "#all-scenes .card strong").is_empty());
     assert_eq!(texts(&page, ".first-choices tbody tr").len(), 3);
 }
 
@@ -359,8 +359,11 @@ fn the_least_error_has_its_name_in_every_plot() {
 
 #[test]
 fn decisions_are_in_the_table_and_among_the_pictures() {
+    // On the front, all pictures are shown.
+    let mut plain = row("scene", "basic", "plain");
+    (plain.time_ratio, plain.memory_bytes) = (Ratio::exactly(9.0), 9000);
     let report = Report {
-        rows: vec![full_row(), row("scene", "basic", "plain")],
+        rows: vec![full_row(), plain],
         ..Report::default()
     };
     let mut pictures = pictures_of(&report);
