@@ -12,8 +12,8 @@ use umbrage_shadow::{
 };
 
 use crate::{
-    CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, Unfiltered, bind, check,
+    Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity, Pipeline,
+    Program, Question, ShadowResources, Times, Unfiltered, check,
     record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
     targets::{Targets, attachment, depth_attachment},
@@ -88,15 +88,12 @@ pub(crate) struct Shared {
     pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     composer: Arc<Composer>,
+    pub(crate) binder: Binder,
     pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
     computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
 }
 
 impl Shared {
-    pub(crate) fn gpu(&self) -> Gpu<'_> {
-        (&self.device, &self.queue)
-    }
-
     pub(crate) fn compose<'a>(
         &self,
         choices: impl Iterator<Item = (&'a str, &'a str)>,
@@ -153,6 +150,7 @@ impl Executor {
                 device: device.clone(),
                 queue: queue.clone(),
                 composer,
+                binder: Binder::new(device, queue),
                 pipelines: HashMap::new(),
                 computations: HashMap::new(),
             },
@@ -232,9 +230,21 @@ impl Executor {
         }
     }
 
-    /// Lets go of all lights and pipelines.
+    /// Begins a frame, when all that was recorded before is submitted: buffers that the frame before did not need take the
+    /// next values. To be called once a frame.
+    pub fn begin_frame(&mut self) {
+        self.shared.binder.begin_frame();
+    }
+
+    /// What binds the resources of shaders, the engine's own among them.
+    pub fn binder(&mut self) -> &mut Binder {
+        &mut self.shared.binder
+    }
+
+    /// Lets go of all lights, pipelines and bindings.
     pub fn clear(&mut self) {
         self.lights.clear();
+        self.shared.binder.clear();
         self.shared.pipelines.clear();
         self.shared.computations.clear();
     }
@@ -322,7 +332,7 @@ impl<'a> Execution<'a> {
             memory.contents.insert(name, bytes);
         }
         let kept = (&memory.textures, &memory.buffers);
-        let mut resources = resources::resources(device, plan, kept);
+        let mut resources = resources::resources(&mut shared.binder, plan, kept);
         resources.light = job.constants.clone();
         Ok(Self {
             shared,
@@ -560,8 +570,8 @@ impl<'a> Execution<'a> {
     }
 
     /// Bind groups of a shader that draws no caster.
-    fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        let groups = bind::groups(self.shared.gpu(), program, &[given], &[]);
+    fn groups(&mut self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
+        let groups = self.shared.binder.groups(program, &[given], &[]);
         groups.map_err(|error| error.in_pass(self.job))
     }
 }

@@ -5,7 +5,7 @@ use std::{collections::HashMap, error::Error as StdError, sync::Arc};
 use umbrage_compose::{BindingKind, Composed};
 use umbrage_shadow::{Constants, Pass};
 
-use crate::{DrawState, Error, Pipeline, Resource, execute::Shared, reads_facing, vertices_read};
+use crate::{Binder, DrawState, Error, Pipeline, execute::Shared, reads_facing, vertices_read};
 
 /// Which caster it is, and in what state: a map is drawn again where either is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -123,17 +123,17 @@ impl<'e> Draws<'_, 'e> {
         Ok(())
     }
 
-    fn own_groups(&self, pipeline: &Pipeline) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
+    fn own_groups(&mut self, pipeline: &Pipeline) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
         let program = &pipeline.program;
         let key = &program.permutation.key;
-        let gpu = self.shared.gpu();
         let mut groups = Vec::new();
         for group in 0..program.groups.len() {
             if program.bindings(group).all(|b| b.name != FRAME) {
                 continue;
             }
-            let bound = program.bind(gpu.0, group, |binding| match binding.kind {
-                BindingKind::Uniform(_) => Resource::block(gpu, key, binding, &self.constants),
+            let binder = &mut self.shared.binder;
+            let bound = binder.bind(program, group, |binder, binding| match binding.kind {
+                BindingKind::Uniform(_) => binder.block(key, binding, &self.constants),
                 _ => {
                     let problem = "the shader reads it beside `frame`, but a pass of casters gives uniform blocks alone";
                     Err(Error::binding(key, binding, problem))
@@ -142,6 +142,11 @@ impl<'e> Draws<'_, 'e> {
             groups.extend(bound.map(|bound| (group as u32, bound)));
         }
         Ok(groups)
+    }
+
+    /// What binds the resources of the engine's own groups.
+    pub fn binder(&mut self) -> &mut Binder {
+        &mut self.shared.binder
     }
 
     /// The pass itself, to set vertex buffers and other groups, and to draw.

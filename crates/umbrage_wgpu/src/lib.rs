@@ -40,7 +40,7 @@
 //! # An engine's own shaders
 //! An engine composes a permutation for a surface and a light's [choices](CheckedShadow::choices), or one for a surface and
 //! several lights ([`Composer::compose_all`](umbrage_compose::Composer::compose_all)), and binds the lights' resources by
-//! name with [`groups`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
+//! name with its [`Binder`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
 //!
 //! # Encoders that are not submitted
 //! A recorded pass counts as drawn. Where an encoder is dropped, [forget](Executor::forget) the light. Of a device that is
@@ -62,7 +62,7 @@ mod shadow;
 mod targets;
 mod touches;
 
-pub use bind::{Gpu, Groups, Resource, groups};
+pub use bind::{Binder, Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
 pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};

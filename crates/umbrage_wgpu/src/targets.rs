@@ -2,7 +2,9 @@
 
 use umbrage_shadow::{Blend, CasterPass, ColorTarget, ScreenPass, Slice, TextureDesc, Viewport};
 
-use crate::{ColorState, Error, MAX, check::bad_plan, execute::Execution, touches::place};
+use crate::{
+    ColorState, Error, MAX, bind::Part, check::bad_plan, execute::Execution, touches::place,
+};
 
 /// Targets of a render pass.
 pub(crate) struct Targets {
@@ -57,8 +59,8 @@ impl Execution<'_> {
     }
 
     /// A slice that a pass draws into, and which has room for `area`.
-    fn target(&self, target: &Slice, area: &Viewport) -> Result<Found, Error> {
-        let (desc, texture) = self.sliced(target)?;
+    fn target(&mut self, target: &Slice, area: &Viewport) -> Result<Found, Error> {
+        let (desc, texture) = self.sliced(target)?.clone();
         let (name, layer, level) = (&desc.name, target.layer, target.level);
         let size = [desc.width, desc.height].map(|texels| (texels >> level).max(1));
         let inside = |start: u32, extent: u32, all: u32| {
@@ -71,19 +73,13 @@ impl Execution<'_> {
             );
             return Err(self.bad(&problem));
         }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: layer,
-            array_layer_count: Some(1),
-            base_mip_level: level,
-            mip_level_count: Some(1),
-            ..Default::default()
-        });
-        Ok(Found {
-            desc: desc.clone(),
-            view,
-            size,
-        })
+        let part = Part {
+            dimension: wgpu::TextureViewDimension::D2,
+            layers: [layer, 1],
+            level: (level, Some(1)),
+        };
+        let view = self.shared.binder.view(&texture, part);
+        Ok(Found { desc, view, size })
     }
 
     /// Targets of a pass of casters.

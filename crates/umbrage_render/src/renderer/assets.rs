@@ -1,7 +1,6 @@
 //! Meshes and pictures on the device, kept while the scene keeps them.
 
 use std::{
-    any::Any,
     collections::HashMap,
     ops::Range,
     sync::{Arc, Weak},
@@ -56,9 +55,6 @@ pub(super) struct Assets {
     /// Also by how they are drawn.
     meshes: HashMap<(usize, Vertices), (Weak<Mesh>, Arc<GpuMesh>)>,
     images: HashMap<usize, (Weak<Image>, wgpu::TextureView)>,
-    /// Numbers of what scenes hold, none of which is given twice.
-    numbers: HashMap<usize, (Weak<dyn Any + Send + Sync>, u64)>,
-    next_number: u64,
 }
 
 impl Assets {
@@ -68,20 +64,6 @@ impl Assets {
             .retain(|_, (source, _)| source.strong_count() > 0);
         self.images
             .retain(|_, (source, _)| source.strong_count() > 0);
-        self.numbers
-            .retain(|_, (source, _)| source.strong_count() > 0);
-    }
-
-    /// A number that nothing else has, or ever had.
-    pub(super) fn number<T: Any + Send + Sync>(&mut self, source: &Arc<T>) -> u64 {
-        if let Some((_, number)) = self.numbers.get(&address(source)) {
-            return *number;
-        }
-        self.next_number += 1;
-        let held: Weak<dyn Any + Send + Sync> = Arc::downgrade(source) as _;
-        let entry = (held, self.next_number);
-        self.numbers.insert(address(source), entry);
-        self.next_number
     }
 
     pub(super) fn mesh(
@@ -105,13 +87,13 @@ impl Assets {
     pub(super) fn image(
         &mut self,
         gpu: &Gpu,
-        what: &str,
+        what: impl Fn() -> String,
         source: &Arc<Image>,
     ) -> Result<wgpu::TextureView, RenderError> {
         if let Some((_, view)) = self.images.get(&address(source)) {
             return Ok(view.clone());
         }
-        let view = upload_image(gpu, what, source)?;
+        let view = upload_image(gpu, &what(), source)?;
         let entry = (Arc::downgrade(source), view.clone());
         self.images.insert(address(source), entry);
         Ok(view)
@@ -270,7 +252,7 @@ fn upload_image(gpu: &Gpu, what: &str, image: &Image) -> Result<wgpu::TextureVie
 }
 
 /// How `texture` is sampled; without one, clamped and smooth.
-pub(super) fn sampler(gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
+pub(super) fn sampler(texture: Option<&Texture>) -> wgpu::SamplerDescriptor<'static> {
     let (wrap, smooth) = texture.map_or(([Wrap::Clamp; 2], true), |texture| {
         (texture.wrap, texture.smooth)
     });
@@ -284,12 +266,12 @@ pub(super) fn sampler(gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
     } else {
         wgpu::FilterMode::Nearest
     };
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+    wgpu::SamplerDescriptor {
         address_mode_u: u,
         address_mode_v: v,
         mag_filter: magnify,
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..Default::default()
-    })
+    }
 }

@@ -350,6 +350,7 @@ impl Renderer {
 
     /// Runs what was recorded, to its end.
     pub(super) fn submit(&self, frame: &mut FrameState<'_>) -> Result<(), RenderError> {
+        frame.objects.upload(&self.gpu);
         let next = self.gpu.device.create_command_encoder(&Default::default());
         let mut encoder = std::mem::replace(&mut frame.encoder, next);
         let times = frame.timer.resolve(&self.gpu, &mut encoder);
@@ -412,11 +413,9 @@ fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> Ligh
 
 /// The slots of what may be seen and is reached by `light`.
 fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<usize> {
-    let reached = |bounds| light.source.light.reaches(bounds);
-    let slots = frame.objects.iter().filter(|(slot, object)| {
-        shot.visible.binary_search(slot).is_ok() && reached(&object.bounds)
-    });
-    slots.map(|(slot, _)| slot).collect()
+    let light = &light.source.light;
+    let reached = |slot: &usize| light.reaches(&frame.objects.at(*slot).bounds);
+    shot.visible.iter().copied().filter(reached).collect()
 }
 
 /// How the camera's passes draw: nearest wins, depth reversed, both sides of a triangle seen. A

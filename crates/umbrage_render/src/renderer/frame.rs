@@ -6,9 +6,9 @@ use std::{
 };
 
 use glam::{Mat4, Vec3};
-use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose};
+use umbrage_compose::{Composed, Key, Permutation, Purpose};
 use umbrage_shadow::Constants;
-use umbrage_wgpu::{ColorState, DrawState, Resource, ShadowResources, Unfiltered};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources, Unfiltered};
 
 use super::{
     RenderOptions,
@@ -51,10 +51,6 @@ pub(super) struct FrameState<'a> {
     pub(super) orthographic: bool,
     /// By the full keys, so that each is asked for once.
     pub(super) composed: BTreeMap<Vec<Key>, Arc<Permutation>>,
-    /// The array of instances, by the layout of its element.
-    pub(super) instances: Vec<(Layout, wgpu::Buffer)>,
-    /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
-    pub(super) buffers: Vec<((usize, String, BindingKind), Resource)>,
 }
 
 /// Inputs that all draws of one pass share.
@@ -120,8 +116,6 @@ impl<'a> FrameState<'a> {
             timer,
             shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
-            instances: Vec::new(),
-            buffers: Vec::new(),
         }
     }
 }

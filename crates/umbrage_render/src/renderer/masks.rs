@@ -90,9 +90,8 @@ impl Renderer {
             None => self.mask_texture(frame)?,
         };
         let laid = masks.insert(laid);
-        let objects = frame.objects.iter();
-        let receivers = objects.filter(|(slot, _)| lit.binary_search(slot).is_ok());
-        let receivers: Vec<_> = receivers.map(|(_, object)| object).collect();
+        let receivers = lit.iter().map(|slot| frame.objects.at(*slot));
+        let receivers: Vec<_> = receivers.collect();
         let light = Masked {
             shot,
             reads,

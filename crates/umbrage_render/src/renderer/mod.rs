@@ -7,6 +7,7 @@ mod camera;
 mod draw;
 mod frame;
 mod lights;
+mod lists;
 mod masks;
 mod objects;
 mod passes;
@@ -23,7 +24,13 @@ use umbrage_compose::Composer;
 use umbrage_shadow::{Aabb, PlanError, Registry, View};
 use umbrage_wgpu::{Executor, Shadow};
 
-use self::{assets::Assets, frame::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
+use self::{
+    assets::Assets,
+    frame::FrameState,
+    lights::LightSetup,
+    objects::{Kept, Objects},
+    timer::Timer,
+};
 use crate::{
     Gpu, RenderError, Rendered,
     scene::{Image, Scene},
@@ -35,6 +42,8 @@ pub struct Renderer {
     composer: Arc<Composer>,
     registry: Registry,
     assets: Assets,
+    /// The objects of the last picture.
+    objects: Kept,
     /// Shadow maps, and all pipelines.
     executor: Executor,
     white: Arc<Image>,
@@ -194,6 +203,7 @@ impl Renderer {
             composer,
             registry,
             assets: Assets::default(),
+            objects: Kept::default(),
             executor,
             white: Arc::new(Image::white()),
             pictures: 0,
@@ -257,14 +267,12 @@ impl Renderer {
             Some(medium) => air::constants(rays, &view, medium, options),
             None => rays,
         };
-        let objects = Objects::new(scene, view.position);
+        self.executor.begin_frame();
+        let kept = std::mem::take(&mut self.objects);
+        let mut objects = Objects::new(scene, view.position, kept);
         let frustum = view.frustum_relative();
-        let near = |bounds: Aabb| bounds.translate(-view.position);
-        let visible = objects
-            .iter()
-            .filter(|(_, object)| frustum.intersects(&near(object.bounds)))
-            .map(|(slot, _)| slot)
-            .collect();
+        objects.look(|bounds| frustum.intersects(&bounds.translate(-view.position)));
+        let visible = objects.visible().to_vec();
         let view_proj = view.view_proj_relative().as_mat4();
         let shot = Shot {
             scene,
@@ -294,6 +302,7 @@ impl Renderer {
         self.executor
             .retain(|light| frame.shadow_maps.contains(&light));
         frame.report.plans.resize(shot.lights.len(), None);
+        self.objects = frame.objects.keep();
         Ok(Rendered {
             width: options.width,
             height: options.height,
@@ -318,8 +327,11 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     }
     for object in &scene.objects {
         let Aabb { min, max } = object.bounds;
+        if object.bounds.is_finite() && object.transform.is_finite() {
+            continue;
+        }
         PlanError::check(
-            object.bounds.is_finite() && object.transform.is_finite(),
+            false,
             "its box",
             format!("{min} to {max}"),
             "finite, as its transform must be",
