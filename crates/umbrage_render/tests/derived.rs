@@ -5,8 +5,8 @@ mod common;
 use common::probe::{number, probing_with, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants, DepthOrder,
-    Frame, Need, Pass, Reads, ScreenPass, ShadowPlan, Value, Viewport,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants, Cull,
+    DepthOrder, Frame, Need, Pass, Reads, ScreenPass, ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
 
@@ -104,7 +104,7 @@ fn casters(x: u32, depth: f32) -> CasterPass {
             width: SIZE - x,
             ..everything()
         },
-        cull: None,
+        cull: Cull::Nothing,
         // The wall is 3 m before the camera.
         view_proj: Mat4::from_translation(Vec3::new(0.0, 0.0, depth + 0.03)) * scale,
         constants: Constants::new(),

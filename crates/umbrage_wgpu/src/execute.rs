@@ -7,15 +7,18 @@ use std::{
 
 use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    BufferDesc, CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Source,
-    Viewport, Workgroups,
+    BufferDesc, CasterPass, ComputePass, Constants, Cull, Frame, Pass, ScreenPass, ShadowPlan,
+    Source, Viewport, Workgroups,
 };
 
 use crate::{
     Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, Unfiltered, check,
+    Program, Question, ShadowResources, Times, Unfiltered,
+    asked::{Asked, Outcome},
+    check,
     record::{self, Memory, Place, Record, Shader, Touches},
     resources::{self, unfiltered},
+    sides,
     targets::{Targets, attachment, depth_attachment},
     touches::{reads_camera_depth, source},
 };
@@ -33,7 +36,7 @@ pub struct Job<'a> {
     /// The light's name, for errors.
     pub name: &'a str,
     /// The parts that make its shadow, and what is chosen for them.
-    pub shadow: &'a CheckedShadow<'a>,
+    pub shadow: &'a CheckedShadow,
     /// The frame that they plan for.
     pub frame: &'a Frame<'a>,
     /// Which casters these are: one for each of the frame's.
@@ -59,9 +62,9 @@ pub struct CameraDepth<'a> {
 /// A plan, executed.
 pub struct Executed {
     /// Resources that the light's shaders read.
-    pub resources: ShadowResources,
+    pub resources: Arc<ShadowResources>,
     /// The plan, and for each of its passes what became of it.
-    pub plan: ShadowPlan,
+    pub plan: Arc<ShadowPlan>,
     /// In the order of the plan's passes.
     pub runs: Vec<Run>,
     /// The question that the plan ends in: then the light has no shadow yet, and is to be asked for again with the answer.
@@ -169,14 +172,23 @@ impl Executor {
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
+        let asked = self.lights.get(&job.light);
+        let asked = asked.and_then(|memory| memory.asked.as_ref());
+        if let Some((executed, composed)) = asked.and_then(|asked| asked.again(job)) {
+            for (shader, composed) in composed {
+                host.composed(shader, composed);
+            }
+            return Ok(executed);
+        }
         let plan = check::plan(job, self.shared.device.features())?;
         let shaders = self.shaders(job, &plan, host)?;
         // Put back once all is recorded.
-        let memory = self.lights.remove(&job.light).unwrap_or_default();
+        let mut memory = self.lights.remove(&job.light).unwrap_or_default();
+        let before = memory.asked.take();
         let mut execution = Execution::new(&mut self.shared, job, memory, &plan)?;
-        let runs = execution.run(encoder, &plan, shaders, host)?;
+        let runs = execution.run(encoder, &plan, &shaders, host)?;
         let Execution {
-            memory,
+            mut memory,
             mut resources,
             ..
         } = execution;
@@ -184,6 +196,23 @@ impl Executor {
         resources.regions = plan.regions.clone();
         let (device, answers) = (&self.shared.device, job.frame.answers);
         let question = Question::record(device, encoder, &plan, &memory.buffers, answers);
+        let (plan, resources) = (Arc::new(plan), Arc::new(resources));
+        if question.is_none() {
+            let passes = plan.passes.iter().zip(shaders);
+            let composed = passes.filter_map(|(pass, composed)| Some((pass, composed?)));
+            let composed: Vec<_> = composed.collect();
+            let mut reads = composed.iter();
+            let reads = reads.any(|(pass, shader)| reads_camera_depth(pass, &shader.permutation));
+            let depth = job.camera_depth.filter(|_| reads);
+            let named = |(pass, composed): (&Pass, _)| (pass.shader().to_owned(), composed);
+            let outcome = Outcome {
+                plan: Arc::clone(&plan),
+                resources: Arc::clone(&resources),
+                composed: composed.into_iter().map(named).collect(),
+                depth: depth.map(|depth| depth.revision),
+            };
+            memory.asked = Some(Asked::new(job, outcome, before));
+        }
         self.lights.insert(job.light, memory);
         Ok(Executed {
             resources,
@@ -225,6 +254,7 @@ impl Executor {
     /// Has everything be drawn anew for `light`: for one whose recorded passes were not submitted. Its textures are kept.
     pub fn forget(&mut self, light: u64) {
         if let Some(memory) = self.lights.get_mut(&light) {
+            memory.asked = None;
             memory.drawn.clear();
             memory.contents.clear();
         }
@@ -348,17 +378,17 @@ impl<'a> Execution<'a> {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         plan: &ShadowPlan,
-        shaders: Vec<Option<Composed>>,
+        shaders: &[Option<Composed>],
         host: &mut dyn Host,
     ) -> Result<Vec<Run>, Error> {
-        let passes = plan.passes.iter().zip(&shaders);
+        let passes = plan.passes.iter().zip(shaders);
         let ready = passes.map(|(pass, shader)| self.ready(pass, shader.as_ref(), plan));
         let ready = ready.collect::<Result<Vec<_>, Error>>()?;
         self.check_reads(plan, ready.iter().map(|(_, touches)| touches))?;
         let wanted = record::by_place(&ready);
         let stale = record::stale(&ready, (&wanted, &self.memory.drawn), &self.new);
         let mut runs = Vec::with_capacity(stale.len());
-        for ((pass, composed), stale) in plan.passes.iter().zip(&shaders).zip(stale) {
+        for ((pass, composed), stale) in plan.passes.iter().zip(shaders).zip(stale) {
             runs.push(if stale { Run::Recorded } else { Run::Kept });
             if !stale {
                 continue;
@@ -464,7 +494,10 @@ impl<'a> Execution<'a> {
                 .as_ref()
                 .map_or(wgpu::CompareFunction::Always, |depth| depth.compare),
             write_depth: depth.is_some(),
-            cull: pass.cull,
+            cull: match pass.cull {
+                Cull::Side(face) => Some(face),
+                Cull::Nothing | Cull::Hidden => None,
+            },
             ..DrawState::NOTHING
         };
         let colors: Vec<_> = colors.iter().map(attachment).collect();
@@ -479,12 +512,16 @@ impl<'a> Execution<'a> {
         let mut casters = pass.casters.clone();
         casters.sort_unstable();
         casters.dedup();
+        let bounds = self.job.frame.casters.casters;
+        let boxes = casters.iter().filter_map(|caster| bounds.get(*caster));
+        let hidden = sides::hidden(pass, boxes, self.job.frame.view.position);
         let mut draws = Draws {
             shared: &mut *self.shared,
             pass: recorded,
             shader: &pass.shader,
             choices: self.job.choices,
             state,
+            hidden,
             constants: (pass.constants.clone()).with("view_proj", pass.view_proj),
             groups: HashMap::new(),
         };

@@ -47,6 +47,7 @@
 //! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
 //! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
+mod asked;
 mod bind;
 mod check;
 pub mod device;
@@ -59,6 +60,7 @@ mod question;
 mod record;
 mod resources;
 mod shadow;
+mod sides;
 mod targets;
 mod touches;
 
@@ -74,3 +76,4 @@ pub use program::{
 pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};
+pub use sides::Sides;

@@ -8,6 +8,7 @@ use umbrage_shadow::{Aabb, BufferDesc, Constants, Pass, SamplerDesc, ShadowPlan}
 
 use crate::{
     Identity,
+    asked::Asked,
     resources::{Buffers, Textures},
 };
 
@@ -58,6 +59,8 @@ pub(crate) struct Memory {
     /// The bytes that were uploaded.
     pub(crate) contents: BTreeMap<String, Vec<u8>>,
     pub(crate) drawn: Drawn,
+    /// The last job, where it ended in a shadow.
+    pub(crate) asked: Option<Asked>,
 }
 
 impl Memory {

@@ -10,7 +10,7 @@ use umbrage_shadow::{
 };
 use umbrage_testkit::headless;
 use umbrage_wgpu::{
-    Drawn, Draws, Error, Executed, Executor, Host, Identity, Job, Run, Shadow, device,
+    Drawn, Draws, Error, Executed, Executor, Host, Identity, Job, Run, Shadow, Sides, device,
 };
 
 const VERTEX: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
@@ -68,7 +68,7 @@ impl Host for Engine {
             .flat_map(f32::to_le_bytes)
             .collect();
         let vertices = device::buffer(gpu, "a box", wgpu::BufferUsages::VERTEX, &bytes)?;
-        let pipeline = draws.pipeline(&[], &[VERTEX], false)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[VERTEX], Sides::default())?.pipeline;
         draws.set(&pipeline)?;
         let key = &pipeline.program.permutation.key;
         let one = Constants::new().with("model", glam::Mat4::IDENTITY);

@@ -6,7 +6,7 @@ use std::{error::Error, sync::Arc};
 use umbrage::{
     compose::{Composer, Library, Package, Target},
     execute::{
-        self, ColorState, DrawState, Drawn, Draws, Executor, Host, Identity, Job, Shadow,
+        self, ColorState, DrawState, Drawn, Draws, Executor, Host, Identity, Job, Shadow, Sides,
         device::buffer,
     },
     glam::{DVec3, Mat4, Vec3},
@@ -29,7 +29,11 @@ struct Blocks {
 
 impl Host for Blocks {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let pipeline = draws.pipeline(&[], &[VERTEX], false)?.pipeline;
+        let solid = Sides {
+            mirrored: false,
+            closed: true,
+        };
+        let pipeline = draws.pipeline(&[], &[VERTEX], solid)?.pipeline;
         draws.set(&pipeline)?;
         let instances = vec![self.instance.clone().into()].into();
         let drawn = vec![0_u32.into()].into();
@@ -126,7 +130,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         keys.push(library.key(shadow.choices(&light).chain([("pass", "blocks")]))?);
     }
     // The blocks in all lights, by one shader.
-    let lit: Vec<_> = lit.iter().collect();
+    let lit: Vec<_> = lit.iter().map(Arc::as_ref).collect();
     let permutation = composer.compose_all(&keys)?.permutation;
     let state = DrawState {
         colors: vec![ColorState::new(canvas.color.format(), None)],

@@ -3,7 +3,7 @@
 use std::{
     collections::HashMap,
     ops::Range,
-    sync::{Arc, Weak},
+    sync::{Arc, OnceLock, Weak},
 };
 
 use crate::{
@@ -18,12 +18,19 @@ pub(super) struct GpuMesh {
     /// None where the vertices stand in the order in which they are drawn.
     indices: Option<wgpu::Buffer>,
     count: u32,
+    /// Whether it is closed, once that was asked.
+    closed: OnceLock<bool>,
 }
 
 impl GpuMesh {
     /// The buffer of the attribute at `location`.
     pub(super) fn attribute(&self, location: u32) -> Option<&wgpu::Buffer> {
         self.attributes.get(location as usize)?.as_ref()
+    }
+
+    /// Whether `source`, which it was made from, is closed.
+    pub(super) fn is_closed(&self, source: &Mesh) -> bool {
+        *self.closed.get_or_init(|| source.is_closed())
     }
 
     /// Draws `instances` of it with what is set.
@@ -198,6 +205,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
                 bytemuck::cast_slice(&mesh.indices),
             )?),
             count,
+            closed: OnceLock::new(),
         }),
         Vertices::Own => Ok(GpuMesh {
             attributes: [
@@ -208,6 +216,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
             ],
             indices: None,
             count,
+            closed: OnceLock::new(),
         }),
     }
 }

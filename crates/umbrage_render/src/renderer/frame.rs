@@ -80,7 +80,7 @@ pub(super) struct LightInputs<'a> {
 pub(super) struct Lamp<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: Constants,
-    pub(super) shadow: Option<ShadowResources>,
+    pub(super) shadow: Option<Arc<ShadowResources>>,
 }
 
 impl Lamp<'_> {
@@ -89,7 +89,7 @@ impl Lamp<'_> {
         LightInputs {
             setup: self.setup,
             constants: &self.constants,
-            shadow: self.shadow.as_ref(),
+            shadow: self.shadow.as_deref(),
             term: Term::Method,
         }
     }
@@ -150,15 +150,6 @@ pub(super) fn unfiltered(lights: &[LightInputs<'_>]) -> Unfiltered {
     let none = ShadowResources::default();
     let shadows: Vec<_> = lights.iter().map(|l| l.shadow.unwrap_or(&none)).collect();
     umbrage_wgpu::unfiltered(&shadows)
-}
-
-/// A texture's size that has a texel for each pixel of the picture.
-pub(super) fn picture_size(frame: &FrameState<'_>) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width: frame.options.width,
-        height: frame.options.height,
-        depth_or_array_layers: 1,
-    }
 }
 
 /// Depth is only looked at.

@@ -40,7 +40,7 @@ pub(super) struct Kept {
     next_number: u64,
     lists: Lists,
     casters: Casters,
-    visible: Vec<usize>,
+    visible: Arc<Vec<usize>>,
 }
 
 /// The objects whose material casts, in the order of their slots.
@@ -103,8 +103,8 @@ impl<'a> Objects<'a> {
     }
 
     /// Slots of what may be seen, ascending.
-    pub(super) fn visible(&self) -> &[usize] {
-        &self.kept.visible
+    pub(super) fn visible(&self) -> Arc<Vec<usize>> {
+        Arc::clone(&self.kept.visible)
     }
 
     /// The casters, with their bounds and identities.
@@ -130,9 +130,10 @@ impl<'a> Objects<'a> {
     /// Has the visible objects be those that `sees` holds for.
     pub(super) fn look(&mut self, sees: impl Fn(&Aabb) -> bool) {
         let mut visible = std::mem::take(&mut self.kept.visible);
-        visible.clear();
+        let slots = Arc::make_mut(&mut visible);
+        slots.clear();
         let seen = self.iter().filter(|(_, object)| sees(&object.bounds));
-        visible.extend(seen.map(|(slot, _)| slot));
+        slots.extend(seen.map(|(slot, _)| slot));
         self.kept.visible = visible;
     }
 

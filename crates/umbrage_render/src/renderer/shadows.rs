@@ -1,12 +1,12 @@
 //! Lights' shadows, by the executor, with the scene's objects for casters.
 
-use std::mem;
+use std::{mem, sync::Arc};
 
 use umbrage_compose::{Composed, Purpose};
 use umbrage_shadow::{Answers, Frame, Pass};
 use umbrage_wgpu::{
     Binder, CameraDepth, CheckedShadow, Drawn, Draws, Executed, Host, Job, Program, Run,
-    ShadowResources, Times, size,
+    ShadowResources, Sides, Times, size,
 };
 
 use super::{
@@ -30,9 +30,9 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
         to: (&Target, bool),
-        light: (&LightSetup<'_>, &CheckedShadow<'_>),
+        light: (&LightSetup<'_>, &CheckedShadow),
         receivers: (&[usize], Option<&LitAir>),
-    ) -> Result<ShadowResources, RenderError> {
+    ) -> Result<Arc<ShadowResources>, RenderError> {
         // They are borrowed while the frame changes.
         let casters = mem::take(frame.objects.casters());
         let done = self.cast_by(&casters, frame, shot, to, light, receivers);
@@ -46,9 +46,9 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
         (target, fresh): (&Target, bool),
-        (light, setup): (&LightSetup<'_>, &CheckedShadow<'_>),
+        (light, setup): (&LightSetup<'_>, &CheckedShadow),
         (receivers, air): (&[usize], Option<&LitAir>),
-    ) -> Result<ShadowResources, RenderError> {
+    ) -> Result<Arc<ShadowResources>, RenderError> {
         let receiver = receivers.first().map(|slot| frame.objects.at(*slot));
         let received = receivers.iter().map(|slot| frame.objects.at(*slot).bounds);
         let received: Vec<_> = received.chain(air.and_then(|air| air.shaded)).collect();
@@ -209,8 +209,14 @@ impl Stage<'_, '_> {
         }
         let axes = lights::object_axes(object);
         let vertices = layouts(object);
-        let mirrored = self.frame.objects.is_mirrored(draw);
-        let prepared = draws.pipeline(&axes, &vertices, mirrored)?;
+        let gpu = self.stock.gpu;
+        let mesh = self.stock.assets.mesh(gpu, object, Vertices::Shared)?;
+        let sides = Sides {
+            mirrored: self.frame.objects.is_mirrored(draw),
+            // Holes show what is inside.
+            closed: object.material.alpha_cutoff.is_none() && mesh.is_closed(&object.mesh),
+        };
+        let prepared = draws.pipeline(&axes, &vertices, sides)?;
         let by = (object.name.as_str(), Some(self.light));
         self.frame.note(&prepared.composed, Purpose::Maps, by);
         let program = &prepared.pipeline.program;
@@ -224,8 +230,6 @@ impl Stage<'_, '_> {
                 draws.pass().set_bind_group(group as u32, &bound, &[]);
             }
         }
-        let gpu = self.stock.gpu;
-        let mesh = self.stock.assets.mesh(gpu, object, Vertices::Shared)?;
         for (slot, place) in prepared.vertices.iter().enumerate() {
             let location = vertices[*place].attributes[0].shader_location;
             if let Some(buffer) = mesh.attribute(location) {
