@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use umbrage_measure::{
     figures::{Figures, Frame, Sample, Terms, figures, shimmer},
