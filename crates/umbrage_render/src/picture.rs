@@ -125,6 +125,8 @@ pub struct Report {
     pub derived_passes: u32,
     /// How many passes of plans were not run, as what they would fill stands there from a picture before.
     pub kept_passes: u32,
+    /// Passes that draw casters into those parts of shadow maps that moved casters changed.
+    pub repaired_passes: u32,
     /// Draw calls that are in caster passes.
     pub caster_draws: u32,
     /// Texels in the textures of shadow methods.

@@ -14,9 +14,10 @@ use umbrage_shadow::{
 use crate::{
     Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity, Pipeline,
     Program, Question, ShadowResources, Times, Unfiltered,
+    area::{Area, Empty, Shadower},
     asked::{Asked, Outcome},
     check,
-    record::{self, Memory, Place, Record, Shader, Touches},
+    record::{self, Memory, Place, Ready, Record, Shader, Work},
     resources::{self, unfiltered},
     sides,
     targets::{Targets, attachment, depth_attachment},
@@ -25,8 +26,8 @@ use crate::{
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
 pub struct Executor {
-    shared: Shared,
-    lights: BTreeMap<u64, Memory>,
+    pub(crate) shared: Shared,
+    pub(crate) lights: BTreeMap<u64, Memory>,
 }
 
 /// A light's shadow, asked for.
@@ -76,6 +77,8 @@ pub struct Executed {
 pub enum Run {
     /// Its targets stand already.
     Kept,
+    /// It was recorded for the part of its targets that casters changed.
+    Repaired,
     /// It was recorded.
     Recorded,
 }
@@ -92,8 +95,12 @@ pub(crate) struct Shared {
     queue: wgpu::Queue,
     composer: Arc<Composer>,
     pub(crate) binder: Binder,
+    /// Whether textures are made so that they can be copied.
+    pub(crate) copies: bool,
     pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
     computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
+    /// What makes a part of targets empty.
+    emptied: HashMap<Empty, wgpu::RenderPipeline>,
 }
 
 impl Shared {
@@ -129,6 +136,12 @@ impl Shared {
         Ok(made)
     }
 
+    fn emptied(&mut self, empty: Empty) -> wgpu::RenderPipeline {
+        let made = self.emptied.entry(empty);
+        made.or_insert_with_key(|empty| empty.pipeline(&self.device))
+            .clone()
+    }
+
     fn computation(
         &mut self,
         permutation: &Arc<Permutation>,
@@ -154,8 +167,10 @@ impl Executor {
                 queue: queue.clone(),
                 composer,
                 binder: Binder::new(device, queue),
+                copies: false,
                 pipelines: HashMap::new(),
                 computations: HashMap::new(),
+                emptied: HashMap::new(),
             },
             lights: BTreeMap::new(),
         }
@@ -277,6 +292,7 @@ impl Executor {
         self.shared.binder.clear();
         self.shared.pipelines.clear();
         self.shared.computations.clear();
+        self.shared.emptied.clear();
     }
 
     /// The pipeline that draws vertices in buffers of these layouts with `permutation`; made once.
@@ -324,8 +340,9 @@ pub(crate) struct Execution<'a> {
     pub(crate) resources: ShadowResources,
     /// Textures and buffers that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
-    /// Where a pass has written, depths apart: only the first one into each place clears it.
-    pub(crate) filled: BTreeSet<Place>,
+    /// Where a pass has written: only the first one into each place clears it, or, where parts are repaired, the first one into
+    /// each viewport, known by its corner.
+    pub(crate) filled: BTreeSet<(Place, Option<[u32; 2]>)>,
 }
 
 /// Where a pass is recorded, and where its times are noted.
@@ -343,7 +360,8 @@ impl<'a> Execution<'a> {
             memory.let_go(plan);
         }
         let device = &shared.device;
-        let (textures, mut new) = resources::textures(device, &memory.textures, job, plan)?;
+        let kept = (&memory.textures, shared.copies);
+        let (textures, mut new) = resources::textures(device, kept, job, plan)?;
         let (buffers, new_buffers) = resources::buffers(device, &memory.buffers, job, plan)?;
         memory.textures.extend(textures);
         memory.buffers.extend(buffers);
@@ -386,17 +404,24 @@ impl<'a> Execution<'a> {
         let ready = ready.collect::<Result<Vec<_>, Error>>()?;
         self.check_reads(plan, ready.iter().map(|(_, touches)| touches))?;
         let wanted = record::by_place(&ready);
-        let stale = record::stale(&ready, (&wanted, &self.memory.drawn), &self.new);
-        let mut runs = Vec::with_capacity(stale.len());
-        for ((pass, composed), stale) in plan.passes.iter().zip(shaders).zip(stale) {
-            runs.push(if stale { Run::Recorded } else { Run::Kept });
-            if !stale {
+        let work = record::work(&ready, (&wanted, &self.memory.drawn), &self.new);
+        let mut runs = Vec::with_capacity(work.len());
+        for ((pass, composed), work) in plan.passes.iter().zip(shaders).zip(work) {
+            let (run, area) = match work {
+                Work::Nothing => (Run::Kept, None),
+                Work::Repair(area) => (Run::Repaired, Some(area)),
+                Work::Whole => (Run::Recorded, None),
+            };
+            runs.push(run);
+            if run == Run::Kept {
                 continue;
             }
             let times = host.times(pass);
             let times = times.as_ref();
             match (pass, composed) {
-                (Pass::Casters(pass), _) => self.draw_casters((encoder, times), pass, host)?,
+                (Pass::Casters(pass), _) => {
+                    self.draw_casters((encoder, times), (pass, area), host)?;
+                }
                 (Pass::Screen(pass), Some(composed)) => {
                     self.draw_screen((encoder, times), pass, composed)?;
                 }
@@ -416,7 +441,7 @@ impl<'a> Execution<'a> {
         pass: &Pass,
         composed: Option<&Composed>,
         plan: &ShadowPlan,
-    ) -> Result<(Record, Touches), Error> {
+    ) -> Result<Ready, Error> {
         let mut record = Record {
             pass: pass.clone(),
             origin: self.job.frame.view.position,
@@ -450,7 +475,7 @@ impl<'a> Execution<'a> {
         if let Some(permutation) = permutation {
             record.shader = Some(self.shader(pass, permutation, plan));
         }
-        Ok((record, touches))
+        Ok((Arc::new(record), touches))
     }
 
     /// The shader of `pass` and all that it depends on, textures and buffers that passes fill apart.
@@ -481,10 +506,12 @@ impl<'a> Execution<'a> {
     fn draw_casters(
         &mut self,
         (encoder, times): Recording<'_>,
-        pass: &CasterPass,
+        (pass, area): (&CasterPass, Option<Area>),
         host: &mut dyn Host,
     ) -> Result<(), Error> {
-        let targets = self.caster_targets(pass)?;
+        let mut targets = self.caster_targets(pass, area)?;
+        let emptied = area.and_then(|_| targets.keep());
+        let emptied = emptied.map(|empty| self.shared.emptied(empty));
         let (depth, colors) = (&targets.depth, &targets.colors);
         let state = DrawState {
             colors: colors.iter().map(|color| color.state).collect(),
@@ -512,9 +539,24 @@ impl<'a> Execution<'a> {
         let mut casters = pass.casters.clone();
         casters.sort_unstable();
         casters.dedup();
-        let bounds = self.job.frame.casters.casters;
+        let (bounds, origin) = (self.job.frame.casters.casters, self.job.frame.view.position);
         let boxes = casters.iter().filter_map(|caster| bounds.get(*caster));
-        let hidden = sides::hidden(pass, boxes, self.job.frame.view.position);
+        // Of all casters, so that a part is drawn as the whole is.
+        let hidden = sides::hidden(pass, boxes, origin);
+        if let Some(area) = area {
+            let size = [0, 1].map(|i| area.to[i] - area.from[i]);
+            recorded.set_scissor_rect(area.from[0], area.from[1], size[0], size[1]);
+            if let Some(emptied) = &emptied {
+                recorded.set_pipeline(emptied);
+                recorded.draw(0..3, 0..1);
+            }
+            let shadower = Shadower::new(pass, origin);
+            let reaches = |caster: &usize| {
+                let drawn = bounds.get(*caster).and_then(|aabb| shadower.area(aabb));
+                drawn.is_some_and(|drawn| drawn.meets(area))
+            };
+            casters.retain(reaches);
+        }
         let mut draws = Draws {
             shared: &mut *self.shared,
             pass: recorded,
@@ -576,7 +618,7 @@ impl<'a> Execution<'a> {
     ) -> Result<(), Error> {
         for Source { name, .. } in &pass.writes {
             if let Some(buffer) = self.resources.written.get(name)
-                && self.filled.insert((name.clone(), 0, 0))
+                && self.filled.insert(((name.clone(), 0, 0), None))
             {
                 encoder.clear_buffer(buffer, 0, None);
             }

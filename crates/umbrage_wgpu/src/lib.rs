@@ -47,7 +47,9 @@
 //! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
 //! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
+mod area;
 mod asked;
+mod audit;
 mod bind;
 mod check;
 pub mod device;
@@ -64,6 +66,7 @@ mod sides;
 mod targets;
 mod touches;
 
+pub use audit::Audit;
 pub use bind::{Binder, Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
 pub use execute::{CameraDepth, Executed, Executor, Job, Run};

@@ -33,10 +33,11 @@ pub struct ShadowResources {
 /// A plan's textures by name.
 pub(crate) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
 
-/// The plan's textures, those of `kept` where they are the same; and the names of those that are new.
+/// The plan's textures, those of `kept` where they are the same, to be copied where that is asked for; and the names of those
+/// that are new.
 pub(crate) fn textures(
     device: &wgpu::Device,
-    kept: &Textures,
+    (kept, copies): (&Textures, bool),
     job: &Job<'_>,
     plan: &ShadowPlan,
 ) -> Result<(Textures, BTreeSet<String>), Error> {
@@ -55,7 +56,8 @@ pub(crate) fn textures(
             Some(_) => Usage::COPY_DST,
             None => written(plan, &desc.name),
         };
-        let usage = Usage::TEXTURE_BINDING | filled;
+        let mut usage = Usage::TEXTURE_BINDING | filled;
+        usage.set(Usage::COPY_SRC, copies);
         let stored = STORED.contains(&desc.format) && desc.shape != TextureShape::Cube;
         if usage.contains(Usage::STORAGE_BINDING) && !stored {
             let problem = format!(

@@ -148,6 +148,7 @@ fn report(frame: &mut FrameState<'_>, executed: &Executed, draws: u32) {
                 report.kept_passes += 1;
                 continue;
             }
+            (Run::Repaired, _) => &mut report.repaired_passes,
             (Run::Recorded, Pass::Casters(_)) => &mut report.caster_passes,
             (Run::Recorded, _) => &mut report.derived_passes,
         };
