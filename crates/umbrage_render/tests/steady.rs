@@ -187,7 +187,11 @@ fn draws_do_not_depend_on_the_order_of_objects() {
     }
     scene.objects.sort_by_key(|object| object.name.clone());
     let counts = |engine: &mut Engine, scene: &Scene| {
-        let rendered = engine.renderer.render(scene, &options()).expect("renders");
+        let options = RenderOptions {
+            fresh: true,
+            ..options()
+        };
+        let rendered = engine.renderer.render(scene, &options).expect("renders");
         (rendered.report.draws, shaded(rendered))
     };
     let (draws, picture) = counts(&mut engine, &scene);
