@@ -139,8 +139,8 @@ impl<'a> Oracle<'a> {
                         },
                         settings: &settings,
                         axes: &axes,
-                        depth: choice.depth,
-                        filter: choice.filter,
+                        depth: choice.depth.as_deref(),
+                        filter: choice.filter.as_deref(),
                         camera_depth: None,
                         answers: Answers::none(),
                     })

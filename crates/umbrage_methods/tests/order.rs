@@ -61,8 +61,8 @@ fn plan(order: DepthOrder, depth: &str, filter: &str) -> Result<ShadowPlan, Plan
         casters: Casters::default(),
         settings: &settings,
         axes: &axes,
-        depth: choice.depth,
-        filter: choice.filter,
+        depth: choice.depth.as_deref(),
+        filter: choice.filter.as_deref(),
         camera_depth: None,
         answers: Answers::none(),
     };

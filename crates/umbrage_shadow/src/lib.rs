@@ -93,7 +93,7 @@
 //!                 depth: Some(order.nearest("whole_map".into())),
 //!                 colors: Vec::new(),
 //!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
-//!                 cull: None,
+//!                 cull: Cull::Hidden,
 //!                 view_proj,
 //!                 constants: Constants::new(),
 //!                 casters: (0..frame.casters.casters.len()).collect(),
@@ -150,9 +150,9 @@ pub use maps::{DepthOrder, Map, MapRange, Maps};
 pub use number::plain_number;
 pub use part::{DepthSource, Filter, Part, ShadowMethod, Support};
 pub use plan::{
-    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget,
-    MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan,
-    Slice, Source, TextureDesc, TextureShape, Viewport, Workgroups,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, Cull,
+    DepthTarget, MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass,
+    ShadowPlan, Slice, Source, TextureDesc, TextureShape, Viewport, Workgroups,
 };
 pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};

@@ -40,13 +40,16 @@
 //! # An engine's own shaders
 //! An engine composes a permutation for a surface and a light's [choices](CheckedShadow::choices), or one for a surface and
 //! several lights ([`Composer::compose_all`](umbrage_compose::Composer::compose_all)), and binds the lights' resources by
-//! name with [`groups`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
+//! name with its [`Binder`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
 //!
 //! # Encoders that are not submitted
 //! A recorded pass counts as drawn. Where an encoder is dropped, [forget](Executor::forget) the light. Of a device that is
 //! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
 //! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
+mod area;
+mod asked;
+mod audit;
 mod bind;
 mod check;
 pub mod device;
@@ -59,10 +62,12 @@ mod question;
 mod record;
 mod resources;
 mod shadow;
+mod sides;
 mod targets;
 mod touches;
 
-pub use bind::{Gpu, Groups, Resource, groups};
+pub use audit::Audit;
+pub use bind::{Binder, Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
 pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
@@ -74,3 +79,4 @@ pub use program::{
 pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};
+pub use sides::Sides;

@@ -133,8 +133,8 @@ impl Scene {
             },
             settings: &settings,
             axes: &self.axes,
-            depth: choice.depth,
-            filter: choice.filter,
+            depth: choice.depth.as_deref(),
+            filter: choice.filter.as_deref(),
             camera_depth: self.camera_depth,
             answers: &self.answers,
         })

@@ -1,6 +1,6 @@
 //! Turns a list of objects into draw commands: composes what they need, binds what it reads.
 
-use std::{collections::HashMap, ops::Range, sync::Arc};
+use std::{ops::Range, sync::Arc};
 
 use umbrage_compose::Permutation;
 use umbrage_wgpu::{DrawState, Pipeline, reads_facing, vertices_read};
@@ -8,15 +8,10 @@ use umbrage_wgpu::{DrawState, Pipeline, reads_facing, vertices_read};
 use super::{
     Renderer,
     assets::{GpuMesh, layouts},
-    bind::MATERIAL,
     frame::{FrameState, LightInputs, PassInputs},
     lights,
-    objects::Run,
 };
-use crate::{
-    RenderError,
-    scene::{Material, Object},
-};
+use crate::{RenderError, scene::Object};
 
 /// A draw, ready to be recorded.
 pub(super) struct Command {
@@ -60,15 +55,11 @@ impl Renderer {
         slots: &[usize],
     ) -> Result<Vec<Command>, RenderError> {
         let mut commands = Vec::new();
-        let mut shared: HashMap<(*const Pipeline, usize), wgpu::BindGroup> = HashMap::new();
-        let mut materials: HashMap<(*const Pipeline, *const Material), wgpu::BindGroup> =
-            HashMap::new();
-        for run in frame.objects.runs(slots) {
-            let Run {
-                object,
-                mirrored,
-                instances,
-            } = run;
+        for draw in frame.objects.draws(&self.gpu, slots)? {
+            let (object, mirrored) = (
+                frame.objects.at(draw.first),
+                frame.objects.is_mirrored(&draw),
+            );
             if object.mesh.indices.is_empty() {
                 continue;
             }
@@ -77,33 +68,14 @@ impl Renderer {
             let locations = vertices.iter().map(|v| v.attributes[0].shader_location);
             let attributes = locations.collect();
             let pipeline = self.pipeline(&permutation, &inputs.state, mirrored, &vertices)?;
-            let mut groups = Vec::new();
-            for group in 0..pipeline.program.groups.len() {
-                let id = Arc::as_ptr(&pipeline);
-                let material = Arc::as_ptr(&object.material);
-                let known = match group {
-                    MATERIAL => materials.get(&(id, material)),
-                    _ => shared.get(&(id, group)),
-                };
-                let bound = match known {
-                    Some(bound) => Some(bound.clone()),
-                    None => self.bind(frame, inputs, &pipeline.program, group, Some(object))?,
-                };
-                if let Some(bound) = &bound {
-                    match group {
-                        MATERIAL => materials.insert((id, material), bound.clone()),
-                        _ => shared.insert((id, group), bound.clone()),
-                    };
-                }
-                groups.push(bound);
-            }
+            let groups = self.bind(frame, inputs, &pipeline.program, Some(object))?;
             let mesh = self.assets.mesh(&self.gpu, object, inputs.vertices)?;
             commands.push(Command {
                 pipeline,
                 attributes,
                 groups,
                 mesh: Some(mesh),
-                instances,
+                instances: draw.instances,
             });
         }
         frame.report.draws += commands.len() as u32;
@@ -120,7 +92,7 @@ impl Renderer {
         // The shader is no object's: the material has no say.
         let permutation = self.compose(frame, inputs, cause, None)?;
         let pipeline = self.pipeline(&permutation, &inputs.state, false, &[])?;
-        let groups = self.bind_all(frame, inputs, &pipeline.program)?;
+        let groups = self.bind(frame, inputs, &pipeline.program, None)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
