@@ -19,8 +19,9 @@
 //! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
 //! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
 //!
-//! Its cost is in the [`Report`]. Pipelines, meshes, textures and shadow maps are kept from one
-//! picture to the next, and let go with their scene; what depends on the camera is made anew.
+//! Its cost is in the [`Report`]. Pipelines, meshes, textures, shadow maps and bind groups are kept from one
+//! picture to the next, and let go with their scene. An engine's loop [draws](Renderer::draw) into its own texture, and waits
+//! for nothing.
 //!
 //! [what]: What
 //!

@@ -9,7 +9,13 @@
 //! A mip level of a layer of a texture, or a buffer, is filled again only where that would change it: where one of the
 //! passes into it is described otherwise than the last time, draws other casters or casters of another
 //! [revision](Identity), or reads what is filled again, or the camera's depth in another revision.
-//! So a frame in which nothing moved draws no map, whatever the method; no method knows.
+//! So a frame in which nothing moved draws no map, whatever the method; no method knows. Where only casters differ, no more
+//! is drawn again than they may reach ([`Run::Repaired`]). A caster that changes and does not say so is found by an
+//! [audit](Executor::audit).
+//!
+//! # Frames
+//! An engine calls [`Executor::begin_frame`] once a frame, when the frame before is submitted. What it binds for its own
+//! shaders it may have from the same [`Binder`], which keeps blocks and bind groups.
 //!
 //! # Shaders of passes
 //! A pass names its shader by a value of the shader library's axis `pass`, whose module has the entry points: one vertex and

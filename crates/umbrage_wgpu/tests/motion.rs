@@ -217,8 +217,8 @@ fn start(lots: &mut Lots) -> Set {
     }
 }
 
-/// Moves blocks, and sees that of each so many motions at the least one needs no more than parts of maps.
-fn check(shadow: Shadow, kind: LightKind, (seed, least): (u64, usize)) {
+/// Moves blocks, and sees that parts of maps are often enough.
+fn check(shadow: Shadow, kind: LightKind, seed: u64) {
     let (mut stage, mut lots) = (Stage::new(), Lots(seed));
     let mut set = start(&mut lots);
     let mut next = BLOCKS as u64;
@@ -253,10 +253,9 @@ fn check(shadow: Shadow, kind: LightKind, (seed, least): (u64, usize)) {
         }
         let (runs, differing) = stage.audit(&shadow, &kind, &set);
         assert!(differing.is_empty(), "motion {motion}: {differing:?}");
-        let has = |run| runs.contains(&run);
-        repaired += usize::from(has(Run::Repaired) && !has(Run::Recorded));
+        repaired += usize::from(runs.contains(&Run::Repaired));
     }
-    assert!(repaired > MOTIONS / least, "only {repaired} were repaired");
+    assert!(repaired > MOTIONS / 4, "only {repaired} were repaired");
 }
 
 fn sun() -> LightKind {
@@ -271,13 +270,13 @@ fn small(method: &str) -> Shadow {
 
 #[test]
 fn maps_of_splits() {
-    check(small("pssm"), sun(), (1, 4));
+    check(small("pssm"), sun(), 1);
 }
 
 #[test]
 fn two_sides() {
     let shadow = small("pssm").with("depth", "midpoint");
-    check(shadow, sun(), (2, MOTIONS));
+    check(shadow, sun(), 2);
 }
 
 #[test]
@@ -289,7 +288,7 @@ fn a_map_of_a_cone() {
         outer_angle: 0.9,
         range: 40.0,
     };
-    check(small("basic"), cone, (3, 4));
+    check(small("basic"), cone, 3);
 }
 
 #[test]
@@ -298,13 +297,13 @@ fn faces_of_a_cube() {
         position: DVec3::new(1.0, 3.5, -9.0),
         range: 30.0,
     };
-    check(small("basic"), lamp, (4, 4));
+    check(small("basic"), lamp, 4);
 }
 
 #[test]
 fn filtered_maps() {
     // What a filter makes of a map is made anew where the map changes.
-    check(small("basic").with("filter", "esm"), sun(), (5, MOTIONS));
+    check(small("basic").with("filter", "esm"), sun(), 5);
 }
 
 #[test]
