@@ -15,7 +15,7 @@ const KINDS: usize = 4;
 /// The order in which the scene lists its boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// Those of one mesh and material together.
+    /// Those of one mesh and material together, as they stand in the field.
     Sorted,
     /// Mixed. The picture is the same.
     Shuffled,
@@ -41,17 +41,15 @@ pub fn field(boxes: usize, order: Order) -> Scene {
             })
         })
         .collect();
-    // Kinds have no place of their own: what is culled leaves holes in the lists of all.
-    let places = shuffled(boxes, 1);
-    let mut objects: Vec<_> = (places.into_iter().enumerate())
-        .map(|(number, place)| {
-            let group = number * KINDS * KINDS / boxes;
+    let mut objects: Vec<_> = (0..boxes)
+        .map(|place| {
+            let group = place * KINDS * KINDS / boxes;
             let mesh = &meshes[group / KINDS];
             let middle = |at: usize| (at as f64 + 0.5) * cell - 0.5 * SIDE;
             let height = f64::from(mesh.positions.iter().fold(0.0_f32, |y, p| y.max(p.y)));
             let at = DVec3::new(middle(place % across), height, middle(place / across));
             object(
-                format!("box {number}"),
+                format!("box {place}"),
                 mesh,
                 &materials[group % KINDS],
                 DAffine3::from_translation(at),
@@ -60,7 +58,7 @@ pub fn field(boxes: usize, order: Order) -> Scene {
         .collect();
     if order == Order::Shuffled {
         let sorted = objects.clone();
-        let mixed = shuffled(boxes, 2);
+        let mixed = shuffled(boxes);
         objects = mixed.into_iter().map(|at| sorted[at].clone()).collect();
     }
     let ground = Arc::new(Mesh::plane(Vec2::splat(SIDE as f32), Vec2::ONE));
@@ -125,9 +123,9 @@ fn object(name: String, mesh: &Arc<Mesh>, material: &Arc<Material>, transform: D
 }
 
 /// The numbers below `count` in an order that is the same everywhere.
-fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+fn shuffled(count: usize) -> Vec<usize> {
     let mut numbers: Vec<_> = (0..count).collect();
-    let mut state = seed;
+    let mut state = 1_u64;
     for last in (1..count).rev() {
         // A linear congruential generator by Knuth; its high bits are mixed well enough for this.
         state = state
