@@ -27,8 +27,10 @@ type Result<T> = std::result::Result<T, Box<dyn Error + Send + Sync>>;
 /// Work to be counted, with all that comes before it done.
 type Work = Box<dyn FnOnce() -> Result<()>>;
 
-/// By name, how each path is made ready.
-const PATHS: [(&str, fn() -> Result<Work>); 7] = [
+/// A path's name, and how it is made ready.
+type Path = (&'static str, fn() -> Result<Work>);
+
+const PATHS: [Path; 7] = [
     ("compose_cold", compose_cold),
     ("compose_new", compose_new),
     ("compose_known", compose_known),
