@@ -18,10 +18,12 @@ const MANIFEST: &str = "permutations/demo.ron";
 const PICTURES: &str = "target/umbrage/demo";
 const SIZE: &str = "960x540";
 const REPORT: &str = "target/umbrage/report";
+/// A dozen of those that `umbrage compare` has by itself.
+const CONFIGS: &str = "examples/configs.ron";
 /// Large enough to see what differs, and small enough for a software rasteriser.
-const REPORT_SIZE: &str = "480x270";
-/// Enough for a median; `umbrage compare` takes more for figures to rely on.
-const REPORT_ROUNDS: &str = "3";
+const REPORT_SIZE: &str = "384x216";
+/// Enough for an interval; `umbrage compare` takes more for a narrow one.
+const REPORT_PAIRS: &str = "7";
 
 pub(crate) fn demo() -> Result<()> {
     let mut steps = Steps::new(4);
@@ -60,10 +62,15 @@ pub(crate) fn demo() -> Result<()> {
     let mut compare = umbrage(&["compare"]);
     compare.args(&files);
     compare.args([
+        "--configs",
+        CONFIGS,
         "--size",
         REPORT_SIZE,
-        "--rounds",
-        REPORT_ROUNDS,
+        // Shimmer needs several pictures of each, which take as long as all else.
+        "--frames",
+        "0",
+        "--pairs",
+        REPORT_PAIRS,
         "--out",
         REPORT,
     ]);

@@ -2,6 +2,7 @@
 //!
 //! Written with `maud`: its markup is checked when compiled, and it escapes whatever comes from outside.
 
+mod overview;
 mod scene;
 
 use std::collections::BTreeMap;
@@ -10,8 +11,8 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
-    FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, Pictures, Report, ReportError, Row,
-    format::percent, names::Names, table::table,
+    FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, Pictures, Report, ReportError, Row, names::Names,
+    table::table,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -20,6 +21,9 @@ const SCRIPT: &str = include_str!("page.js");
 /// Nothing is loaded from anywhere, even if a browser or a name should try.
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// Characters that pictures may take, so that the page is sent and opened in a moment.
+const PICTURES: usize = 3_000_000;
 
 /// Data that the parts of the page share.
 struct Page<'a> {
@@ -30,6 +34,17 @@ struct Page<'a> {
     scenes: Vec<(&'a str, Vec<usize>)>,
     /// The true pictures, each once, with the number of its class.
     truths: BTreeMap<&'a [u8], usize>,
+    /// Pictures that are shown of each row.
+    shown: Vec<Shown>,
+}
+
+/// Pictures of a row that the page has room for.
+#[derive(Clone, Copy, Default)]
+struct Shown {
+    /// Where it is wrong.
+    difference: bool,
+    /// All others.
+    others: bool,
 }
 
 /// The page, with `pictures` for each row. The front is marked.
@@ -44,6 +59,7 @@ pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, Rep
         pictures,
         names: Names::of(report),
         scenes: by_scene(report),
+        shown: shown(report, pictures, truths.keys().map(|png| png.len()).sum()),
         truths,
     };
     let scenes: Vec<Markup> = (0..page.scenes.len())
@@ -79,6 +95,35 @@ pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, Rep
         }
     }
     .into_string())
+}
+
+/// What there is room for beside truths of so many bytes: first where the front is wrong, then its other pictures, then where
+/// the rest is wrong.
+fn shown(report: &Report, pictures: &[Pictures], truths: usize) -> Vec<Shown> {
+    // Base64 makes four characters of three bytes.
+    let mut room = (PICTURES * 3 / 4).saturating_sub(truths);
+    let mut take = |bytes: usize| {
+        let fits = bytes <= room;
+        room -= if fits { bytes } else { 0 };
+        fits
+    };
+    let mut shown = vec![Shown::default(); pictures.len()];
+    let rows = || report.rows.iter().zip(pictures).enumerate();
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| row.pareto) {
+        shown[index].difference = take(pictures.difference.len());
+    }
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| row.pareto) {
+        let others = [
+            Some(&pictures.rendered),
+            pictures.shaded.as_ref(),
+            pictures.decisions.as_ref(),
+        ];
+        shown[index].others = take(others.into_iter().flatten().map(Vec::len).sum());
+    }
+    for (index, (_, pictures)) in rows().filter(|(_, (row, _))| !row.pareto) {
+        shown[index].difference = take(pictures.difference.len());
+    }
+    shown
 }
 
 /// The rows' numbers by scenes: first the scenes that the report lists, then others as the rows come.
@@ -125,15 +170,17 @@ impl<'a> Page<'a> {
                 dl.facts {
                     div { dt { "drawn by" } dd { (report.adapter) } }
                     div { dt { "pictures" } dd { (report.width) " × " (report.height) } }
-                    div { dt { "times" } dd { "median of " (report.rounds) } }
+                    div { dt { "times" } dd { "medians of at most " (report.most_pairs) " pairs" } }
                     div { dt { "instructions" } dd { (report.isa_source) } }
                     @if !report.command.is_empty() { div { dt { "made by" } dd { code { (report.command) } } } }
                 }
                 p.lead {
                     b { "Error" } " is the share of samples that are lit but should be in shadow (" i { "false lit" }
                     ") or the reverse (" i { "false shadow" } "), against shadows by ray tracing. "
-                    b { "Time" } " is relative to the method basic with one tap in the same run. The "
-                    b { "Pareto front" } " has what no other configuration beats in both: everything off it costs \
+                    b { "Time" } " is relative to the method basic with one tap: ratios of pictures drawn one after the other, \
+                    their median, and an interval that holds it in 95 of 100. Where two intervals overlap, \
+                    nothing is ranked; where one is wider than half of itself, the machine was too busy. The "
+                    b { "Pareto front" } " has what no other configuration beats for certain in both: everything off it costs \
                     more, or errs more, for nothing."
                 }
                 nav aria-label="Contents" {
@@ -146,99 +193,6 @@ impl<'a> Page<'a> {
                 }
             }
         }
-    }
-
-    /// Configurations by scenes: which are worth having everywhere.
-    fn overview(&self) -> Markup {
-        if self.scenes.len() < 2 {
-            return html! {};
-        }
-        let lines = self.lines();
-        let shown = 10;
-        html! {
-            section #all-scenes {
-                h2 { "All scenes" }
-                p.note {
-                    "Error of each configuration in each scene. " span.star { "★" } " on the Pareto front, "
-                    span.near { "green" } " within twice the scene's least error; those on most fronts come first."
-                }
-                div.scroll tabindex="0" role="region" aria-label="Errors by scene" {
-                    (self.matrix(lines.get(..shown).unwrap_or(&lines)))
-                }
-                @if let Some(rest) = lines.get(shown..).filter(|rest| !rest.is_empty()) {
-                    details {
-                        summary { (rest.len()) " more" }
-                        div.scroll { (self.matrix(rest)) }
-                    }
-                }
-            }
-        }
-    }
-
-    fn matrix(&self, lines: &[Line<'a>]) -> Markup {
-        html! {
-            table.matrix {
-                thead { tr {
-                    th scope="col" { "configuration" }
-                    @for (number, (scene, _)) in self.scenes.iter().enumerate() {
-                        th scope="col" { a href={ "#scene-" (number) } { (scene) } }
-                    }
-                    th scope="col" { "on fronts" }
-                } }
-                tbody {
-                    @for line in lines {
-                        tr {
-                            th scope="row" { (line.name) }
-                            @for (row, least) in line.rows.iter().zip(self.least()) {
-                                @match row {
-                                    Some(row) => {
-                                        td.near[row.error() <= 2.0 * least] {
-                                            a href={ "#row-" (self.index(row)) } { (percent(row.error())) }
-                                            @if row.pareto { span.star { " ★" } } @else { span.star.none { " ★" } }
-                                        }
-                                    }
-                                    None => { td { "" } }
-                                }
-                            }
-                            td { (line.fronts()) " of " (line.rows.iter().flatten().count()) }
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// The least error of each scene.
-    fn least(&self) -> Vec<f64> {
-        (0..self.scenes.len())
-            .map(|scene| {
-                let errors = self.rows(scene).into_iter().map(Row::error);
-                errors.fold(f64::INFINITY, f64::min)
-            })
-            .collect()
-    }
-
-    /// A line a configuration: those on most fronts first, and of those the one whose worst error is least.
-    fn lines(&self) -> Vec<Line<'a>> {
-        let mut lines: BTreeMap<String, Line<'a>> = BTreeMap::new();
-        for scene in 0..self.scenes.len() {
-            for row in self.rows(scene) {
-                let name = self.names.row(row);
-                let line = lines.entry(name.clone()).or_insert_with(|| Line {
-                    name,
-                    rows: vec![None; self.scenes.len()],
-                });
-                if let Some(place) = line.rows.get_mut(scene) {
-                    *place = Some(row);
-                }
-            }
-        }
-        let mut lines: Vec<_> = lines.into_values().collect();
-        lines.sort_by(|a, b| {
-            let fronts = b.fronts().cmp(&a.fronts());
-            fronts.then(a.worst().total_cmp(&b.worst()))
-        });
-        lines
     }
 
     fn skipped(&self) -> Markup {
@@ -282,30 +236,6 @@ impl<'a> Page<'a> {
             ));
         }
         css
-    }
-}
-
-/// A configuration across the scenes; none where it was not drawn.
-struct Line<'a> {
-    name: String,
-    rows: Vec<Option<&'a Row>>,
-}
-
-impl Line<'_> {
-    fn fronts(&self) -> usize {
-        self.rows.iter().flatten().filter(|row| row.pareto).count()
-    }
-
-    fn worst(&self) -> f64 {
-        let errors = self.rows.iter().flatten().map(|row| row.error());
-        errors.fold(0.0, |worst, error| {
-            // An unknown error may be the worst.
-            if error.is_nan() {
-                f64::INFINITY
-            } else {
-                error.max(worst)
-            }
-        })
     }
 }
 

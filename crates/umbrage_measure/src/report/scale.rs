@@ -25,16 +25,16 @@ pub(super) enum Scale {
 }
 
 impl Scale {
-    /// The axis that shows `values` best, all of which are finite and not below 0.
+    /// Logarithmic, as errors are compared by their ratios, with ticks at powers of ten: the same in all plots. All `values` are
+    /// finite and not below 0.
     pub(super) fn for_errors(values: impl Iterator<Item = f64> + Clone) -> Self {
         match span(values.clone()) {
-            Some((least, most)) if most / least > LOG_FROM => Self::log(10.0, values),
-            Some((_, most)) => Self::Linear { most: most * 1.1 },
+            Some(_) => Self::log(10.0, values),
             None => Self::Linear { most: 0.01 },
         }
     }
 
-    /// As [`Self::for_errors`], with ticks at powers of two.
+    /// From 0 on where the values are alike, else logarithmic, with ticks at powers of two.
     pub(super) fn for_times(values: impl Iterator<Item = f64> + Clone) -> Self {
         match span(values.clone()) {
             Some((least, most)) if most / least > LOG_FROM => Self::log(2.0, values),
@@ -189,9 +189,11 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_range_is_linear_and_a_wide_one_logarithmic() {
-        assert_eq!(log(&[0.25, 0.5]), Scale::Linear { most: 0.5 * 1.1 });
-        assert!(log(&[0.001, 0.02]).is_log());
+    fn times_are_logarithmic_in_a_wide_range_and_errors_in_any() {
+        let times = |values: &[f64]| Scale::for_times(values.iter().copied());
+        assert_eq!(times(&[0.25, 0.5]), Scale::Linear { most: 0.5 * 1.1 });
+        assert!(times(&[0.001, 0.02]).is_log());
+        assert!(log(&[0.25, 0.5]).is_log() && log(&[0.3]).is_log());
         assert_eq!(log(&[0.0, 0.0]), Scale::Linear { most: 0.01 });
         assert_eq!(log(&[]), Scale::Linear { most: 0.01 });
         assert!(Scale::for_memory([4096.0].into_iter()).is_log());

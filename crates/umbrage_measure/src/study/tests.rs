@@ -50,7 +50,7 @@ fn lights_and_shadow_terms_add_up_to_the_shaded_picture() {
         };
         let subject = lab.subject(&scene, &truth).expect("drawn");
         let rendered = lab.terms(&subject, &options).expect("drawn");
-        let shaded = lab.shaded(&subject, &options).expect("drawn");
+        let shaded = lab.render(&scene, &options).expect("drawn");
         let unshadowed = lab.unshadowed(&subject).expect("drawn");
         let own = terms(&rendered).iter();
         truth.terms = own.map(|t| t.iter().copied().map(Some).collect()).collect();
@@ -102,6 +102,13 @@ fn what_is_standard_is_known_and_holds_the_baseline() {
     let standard = Config::standard(&["basic".to_owned()], lab.registry(), lab.library());
     let standard = standard.expect("sound");
     assert!(standard.len() > 5 && standard.iter().all(|config| configs.contains(config)));
+    // And the dozen that the demo shows.
+    let file = RonFile::new(
+        "configs.ron",
+        include_str!("../../../../examples/configs.ron"),
+    );
+    let dozen = Config::read(&file, lab.registry(), lab.library()).expect("sound");
+    assert!(dozen.len() == 12 && dozen.iter().all(|config| configs.contains(config)));
     assert_eq!(baseline().shadow, Shadow::new("basic").with("pcf", "1"));
     assert!(Config::standard(&["none".to_owned()], lab.registry(), lab.library()).is_err());
 }
@@ -315,7 +322,7 @@ fn decisions_are_looked_for_where_filters_can_be_spared() {
     };
     let options = CompareOptions {
         size: SIZE,
-        rounds: 1,
+        most_pairs: 1,
         frames: 0,
         store: None,
         command: String::new(),

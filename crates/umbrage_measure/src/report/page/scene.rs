@@ -3,14 +3,13 @@
 use maud::{Markup, html};
 use umbrage_render::Decision;
 
-use super::{Page, data_url};
+use super::{Page, Shown, data_url};
 use crate::report::{
     Pictures, ReportError, Row,
-    format::{bytes, percent, times, whole},
-    pareto::memory,
+    format::{self, bytes, percent, whole},
     plot::{Cost, MEMORY, TIME, plot, swatch},
     table::key_figures,
-    verdict::{Choice, choices, ladder},
+    verdict::{Candidate, Choice, choices, in_scene, ladder},
 };
 
 impl Page<'_> {
@@ -60,14 +59,26 @@ impl Page<'_> {
     }
 
     fn verdict(&self, rows: &[&Row]) -> Markup {
-        let choices = choices(rows);
+        let choices = choices(&in_scene(rows));
         let bad = rows.iter().filter(|row| row.figures.bad_pixels > 0).count();
         html! {
             @if choices.is_empty() {
                 p.warning { "No configuration gave figures to choose by." }
             } @else {
                 div.choices {
-                    @for (place, choice) in choices.iter().enumerate() { (self.card(choice, place == 0)) }
+                    @for (place, choice) in choices.iter().enumerate() {
+                        @let row = choice.candidate.row;
+                        @let error = html! {
+                            b { (percent(row.error())) } " error"
+                            @if let Some(share) = row.figures.error_of_shadow { ", " (percent(share)) " of the shadow" }
+                        };
+                        (card(self, choice, place == 0, error))
+                    }
+                }
+            }
+            @if !has_shadow(rows) {
+                p.note {
+                    "Nothing here that faces a light is in shadow in truth: what is wrong is false shadow alone."
                 }
             }
             @if bad > 0 {
@@ -75,23 +86,6 @@ impl Page<'_> {
                     (counted(bad, "configuration")) " drew bad pixels (no number, or outside 0..1) and "
                     @if bad == 1 { "is" } @else { "are" } " not proposed."
                 }
-            }
-        }
-    }
-
-    fn card(&self, choice: &Choice<'_>, first: bool) -> Markup {
-        let row = choice.row;
-        html! {
-            a.card.first[first] href={ "#row-" (self.index(row)) } {
-                @if first { span.badge { "Choose" } }
-                span.because { (capital(&choice.because.join("; "))) }
-                strong { (swatch(&self.names, &row.method)) (self.names.row(row)) }
-                span.figures {
-                    span { b { (percent(row.error())) } " error" }
-                    span { b { (times(row.time_ratio)) } " time" }
-                    span { b { (bytes(memory(row))) } " memory" }
-                }
-                span.split { (percent(row.figures.false_lit)) " false lit, " (percent(row.figures.false_shadow)) " false shadow" }
             }
         }
     }
@@ -109,7 +103,7 @@ impl Page<'_> {
     }
 
     fn figure(&self, rows: &[&Row], cost: Cost, plot: Option<Markup>) -> Markup {
-        let steps = ladder(rows, cost.of);
+        let steps = ladder(rows, cost.extent);
         html! {
             figure {
                 figcaption { "Error against " (cost.name) }
@@ -124,7 +118,7 @@ impl Page<'_> {
                         tbody {
                             @for row in steps {
                                 tr {
-                                    td { ((cost.show)((cost.of)(row))) }
+                                    td { ((cost.show)(row)) }
                                     td { (percent(row.error())) }
                                     td.name { a href={ "#row-" (self.index(row)) } { (self.names.row(row)) } }
                                 }
@@ -161,17 +155,21 @@ impl Page<'_> {
                     span { span.patch.bad {} "bad pixel" }
                     span.js hidden { "Click a picture to enlarge it." }
                 }
+                p.note {
+                    "Off the front, the difference alone is shown, and as many pictures as keep the page small; "
+                    code { "umbrage render" } " draws any."
+                }
                 @if front.iter().chain(&rest).any(|(.., pictures)| pictures.decisions.is_some()) { (decisions()) }
                 @for (index, row, pictures) in front {
                     article.row id={ "row-" (index) } {
                         h3 { (self.title(row)) }
-                        (self.pictures(row, pictures))
+                        (self.pictures(row, pictures, self.shown.get(index).copied().unwrap_or_default()))
                     }
                 }
                 @for (index, row, pictures) in rest {
                     details.row id={ "row-" (index) } {
                         summary { (self.title(row)) }
-                        (self.pictures(row, pictures))
+                        (self.pictures(row, pictures, self.shown.get(index).copied().unwrap_or_default()))
                     }
                 }
             }
@@ -185,7 +183,7 @@ impl Page<'_> {
         }
     }
 
-    fn pictures(&self, row: &Row, pictures: &Pictures) -> Markup {
+    fn pictures(&self, row: &Row, pictures: &Pictures, shown: Shown) -> Markup {
         let name = self.names.row(row);
         let (width, height) = pictures.size;
         let ratio = format!("aspect-ratio:{width}/{height}");
@@ -205,14 +203,41 @@ impl Page<'_> {
         };
         html! {
             div.pictures {
-                (picture("shadow term", &pictures.rendered))
+                @if shown.others { (picture("shadow term", &pictures.rendered)) }
                 figure {
                     div class={ "truth truth-" (truth) } style=(ratio) role="img" aria-label="true shadow term" {}
                     figcaption { "truth" }
                 }
-                (picture("difference", &pictures.difference))
-                @if let Some(shaded) = &pictures.shaded { (picture("shaded", shaded)) }
-                @if let Some(decisions) = &pictures.decisions { (picture("decisions", decisions)) }
+                @if shown.difference { (picture("difference", &pictures.difference)) }
+                @if let Some(shaded) = pictures.shaded.as_ref().filter(|_| shown.others) { (picture("shaded", shaded)) }
+                @if let Some(decisions) = pictures.decisions.as_ref().filter(|_| shown.others) { (picture("decisions", decisions)) }
+            }
+        }
+    }
+}
+
+/// Whether anything that faces a light is in shadow in truth.
+pub(super) fn has_shadow(rows: &[&Row]) -> bool {
+    rows.iter().any(|row| row.figures.in_shadow > 0.0)
+}
+
+/// A choice, with its `error` as it is to be read.
+pub(super) fn card(page: &Page<'_>, choice: &Choice<'_>, first: bool, error: Markup) -> Markup {
+    let Candidate {
+        row, time, memory, ..
+    } = &choice.candidate;
+    html! {
+        a.card.first[first] href={ "#row-" (page.index(row)) } {
+            @if first { span.badge { "Choose" } }
+            span.because { (capital(&choice.because.join("; "))) }
+            strong { (swatch(&page.names, &row.method)) (page.names.row(row)) }
+            span.figures {
+                span { (error) }
+                span { b { (format::time(time)) } " time" }
+                span { b { (bytes(*memory)) } " memory" }
+            }
+            @if choice.as_fast > 0 {
+                span.split { (counted(choice.as_fast, "other")) " may be as fast" }
             }
         }
     }

@@ -5,6 +5,8 @@ pub(super) struct Mark {
     pub(super) x: f64,
     pub(super) y: f64,
     pub(super) on_front: bool,
+    /// Whether its name stands in any case, though it had to cover a point.
+    pub(super) must: bool,
     pub(super) text: String,
 }
 
@@ -60,7 +62,8 @@ impl Rect {
     }
 }
 
-/// Places for the names of `marks`, the earlier ones first served. A name that finds none is left out.
+/// Places for the names of `marks`, the earlier ones first served. A name that finds none is left out, unless it must stand: then
+/// it covers points, but no other name.
 /// Names keep off the `front`, a line through these corners, where they can.
 pub(super) fn place_labels<'a>(
     marks: &'a [Mark],
@@ -95,27 +98,28 @@ pub(super) fn place_labels<'a>(
     for mark in marks {
         let text = shortened(&mark.text);
         let width = width(&text);
-        let reach = if mark.on_front {
+        let reach = if mark.on_front || mark.must {
             &REACH[..]
         } else {
             &REACH[..1]
         };
-        let free = |rect: &Rect| {
+        let inside = |rect: &Rect| {
             rect.left >= plot.left
                 && rect.right <= plot.right
                 && rect.top >= plot.top
                 && rect.bottom <= plot.bottom
-                && !taken.iter().chain(&points).any(|other| rect.meets(other))
+                && !taken.iter().any(|other| rect.meets(other))
         };
         let places: Vec<(f64, Rect)> = reach
             .iter()
             .flat_map(|distance| around(mark, width, *distance).map(|rect| (*distance, rect)))
-            .filter(|(_, rect)| free(rect))
+            .filter(|(_, rect)| inside(rect))
             .collect();
-        let found = places
-            .iter()
-            .find(|(_, rect)| !front.iter().any(|line| rect.meets(line)))
-            .or(places.first());
+        let covers = |lines: &[Rect], rect: &Rect| lines.iter().any(|line| rect.meets(line));
+        let mut free = places.iter().filter(|(_, rect)| !covers(&points, rect));
+        let found = (free.clone().find(|(_, rect)| !covers(&front, rect)))
+            .or(free.next())
+            .or(places.first().filter(|_| mark.must));
         let Some(&(distance, rect)) = found else {
             continue;
         };
@@ -199,7 +203,7 @@ mod tests {
         ) {
             let marks: Vec<Mark> = marks
                 .into_iter()
-                .map(|(x, y, on_front, text)| Mark { x, y, on_front, text })
+                .map(|(x, y, on_front, text)| Mark { x, y, on_front, must: false, text })
                 .collect();
             let labels = place_labels(&marks, &[], (600.0, 400.0));
             for (index, label) in labels.iter().enumerate() {
@@ -225,6 +229,7 @@ mod tests {
             x: 300.0,
             y: 200.0,
             on_front: false,
+            must: false,
             text: "1024 pcf3".to_owned(),
         }];
         let labels = place_labels(&mark, &[], (600.0, 400.0));
@@ -238,6 +243,7 @@ mod tests {
             x: 300.0,
             y: 200.0,
             on_front: true,
+            must: false,
             text: "1024 pcf3".to_owned(),
         }];
         // The step of a neighbour passes below and to the left, where the name would stand.
@@ -249,6 +255,25 @@ mod tests {
         };
         assert!(crosses(&[]));
         assert!(!crosses(&front));
+    }
+
+    /// Points all around leave no place free.
+    #[test]
+    fn a_name_that_must_stand_stands_in_a_crowd() {
+        let points = (0..40).flat_map(|x| (0..30).map(move |y| (x, y)));
+        let mut marks: Vec<Mark> = points
+            .map(|(x, y)| Mark {
+                x: 80.0 + 13.0 * f64::from(x),
+                y: 10.0 + 11.0 * f64::from(y),
+                on_front: true,
+                must: false,
+                text: "crowd".to_owned(),
+            })
+            .collect();
+        assert!(place_labels(&marks, &[], (600.0, 400.0)).is_empty());
+        marks[600].must = true;
+        let labels = place_labels(&marks, &[], (600.0, 400.0));
+        assert_eq!(labels.len(), 1);
     }
 
     #[test]

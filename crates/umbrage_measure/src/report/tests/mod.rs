@@ -10,7 +10,7 @@ use serde_json::Value;
 use umbrage_render::Decision;
 
 use super::{
-    FORMAT, Pictures, Report, ReportError, check_earlier,
+    FORMAT, Pictures, Ratio, Report, ReportError, check_earlier,
     write::{render, write},
 };
 use rows::{fake_report, full_row, pictures_of, row};
@@ -43,7 +43,7 @@ fn attributes(page: &Html, selector: &str, name: &str) -> Vec<String> {
 #[test]
 fn the_json_has_every_row_and_null_for_what_is_no_number() {
     let mut report = fake_report();
-    report.rows[3].time_ratio = f64::NAN;
+    report.rows[3].time_ratio = Ratio::default();
     report.rows[3].figures.rmse = f64::INFINITY;
     let (json, _) = render(&report, &pictures_of(&report)).expect("a report");
     let json: Value = serde_json::from_str(&json).expect("JSON");
@@ -59,7 +59,8 @@ fn the_json_has_every_row_and_null_for_what_is_no_number() {
         let false_lit = json["false_lit"].as_f64().expect("a number");
         assert!((false_lit / row.figures.false_lit - 1.0).abs() < 1e-15);
     }
-    assert_eq!(rows[3]["time_ratio"], Value::Null);
+    assert_eq!(rows[3]["time_ratio"]["median"], Value::Null);
+    assert_eq!(rows[3]["time_ratio"]["high"], Value::Null);
     assert_eq!(rows[3]["rmse"], Value::Null);
     assert_eq!(rows[3]["pareto"], Value::from(rows[3]["pareto"] == true));
     assert!(rows.iter().any(|row| row["pareto"] == true));
@@ -68,7 +69,8 @@ fn the_json_has_every_row_and_null_for_what_is_no_number() {
 
 #[test]
 fn the_page_has_every_row_once_in_the_table_and_once_with_pictures() {
-    let report = fake_report();
+    let mut report = fake_report();
+    report.mark_pareto();
     let page = parsed(&page_of(&report));
     assert_eq!(texts(&page, "#figures tbody tr").len(), report.rows.len());
     let names: BTreeSet<_> = texts(&page, "#figures tbody th a").into_iter().collect();
@@ -77,11 +79,9 @@ fn the_page_has_every_row_once_in_the_table_and_once_with_pictures() {
     }
     for index in 0..report.rows.len() {
         let pictures = attributes(&page, &format!("#row-{index} img"), "src");
-        assert_eq!(
-            pictures.len(),
-            2,
-            "the term and the difference of row {index}"
-        );
+        // The term and the difference; off the front, the difference.
+        let expected = if report.rows[index].pareto { 2 } else { 1 };
+        assert_eq!(pictures.len(), expected, "row {index}");
         assert!(
             pictures
                 .iter()
@@ -218,7 +218,7 @@ fn the_order_of_the_rows_changes_no_verdict() {
 fn a_row_without_figures_is_shown_as_such() {
     let mut only = row("scene", "basic", "a");
     only.figures.false_lit = f64::NAN;
-    only.time_ratio = f64::NAN;
+    only.time_ratio = Ratio::default();
     let report = Report {
         rows: vec![only],
         ..Report::default()
@@ -254,8 +254,7 @@ fn a_shaded_picture_is_shown_beside_the_others() {
     let pictures = Pictures::new(
         &[Some(1.0); 2],
         &[1.0; 2],
-        &[true; 2],
-        (2, 1),
+        RgbImage::new(2, 1),
         Some(&shaded),
     );
     let (_, html) = render(&report, &[pictures.expect("pictures")]).expect("a report");
@@ -263,6 +262,99 @@ fn a_shaded_picture_is_shown_beside_the_others() {
         texts(&parsed(&html), "#row-0 figcaption"),
         ["shadow term", "truth", "difference", "shaded"]
     );
+}
+
+/// Five scenes by twelve configurations, in pictures of the demo's size that no encoder makes smaller.
+#[test]
+fn the_page_is_small_whatever_its_pictures() {
+    const SIZE: (u32, u32) = (384, 216);
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    let mut report = fake_report();
+    report.mark_pareto();
+    let mut drawn = || {
+        RgbImage::from_fn(SIZE.0, SIZE.1, |_, _| {
+            image::Rgb([noise(), noise(), noise()])
+        })
+    };
+    let pixels = (SIZE.0 * SIZE.1) as usize;
+    let pictures: Vec<_> = (report.rows.iter())
+        .map(|_| {
+            let (difference, shaded) = (drawn(), drawn());
+            let pictures = Pictures::new(
+                &vec![None; pixels],
+                &vec![0.5; pixels],
+                difference,
+                Some(&shaded),
+            );
+            pictures.expect("of one size")
+        })
+        .collect();
+    let (_, html) = render(&report, &pictures).expect("a report");
+    assert!(html.len() < 5_000_000, "{}", html.len());
+    // Those of the front come first.
+    let page = parsed(&html);
+    let front = texts(&page, "article.row img").len();
+    assert!(front > 0 && texts(&page, "details.row img").is_empty());
+}
+
+#[test]
+fn a_scene_without_shadow_is_called_so() {
+    let (mut dark, mut lit) = (row("dark", "basic", "a"), row("lit", "basic", "a"));
+    dark.figures.in_shadow = 0.25;
+    dark.figures.error_of_shadow = Some(0.0);
+    lit.figures.in_shadow = 0.0;
+    let report = Report {
+        rows: vec![dark, lit],
+        ..Report::default()
+    };
+    let page = parsed(&page_of(&report));
+    let cells = texts(&page, ".first-choices td:nth-child(4)");
+    assert_eq!(cells, ["0\u{202f}%", "no shadow in truth"]);
+    let notes = texts(&page, "section.scene p.note");
+    let told = notes
+        .iter()
+        .filter(|note| note.contains("Nothing here that faces a light"));
+    assert_eq!(told.count(), 1);
+}
+
+#[test]
+fn the_verdict_over_all_scenes_comes_first() {
+    let page = parsed(&page_of(&fake_report()));
+    let headings = texts(&page, "main h2, main h3");
+    assert_eq!(
+        headings[..4],
+        [
+            "What to choose",
+            "If one configuration must serve all scenes",
+            "For each scene",
+            "Errors in all scenes"
+        ]
+    );
+    assert!(texts(&page, "#all-scenes .card strong").len() > 1);
+    assert_eq!(texts(&page, ".first-choices tbody tr").len(), 3);
+}
+
+/// In every plot, whatever stands around it.
+#[test]
+fn the_least_error_has_its_name_in_every_plot() {
+    let report = fake_report();
+    let page = parsed(&page_of(&report));
+    for (number, scene) in report.scenes.iter().enumerate() {
+        let rows = report.rows.iter().filter(|row| row.scene == scene.name);
+        let least = rows
+            .min_by(|a, b| a.error().total_cmp(&b.error()))
+            .expect("rows");
+        let name = format!("{} {}", least.method, least.config);
+        let labels = texts(&page, &format!("#scene-{number} svg.plot .label"));
+        let named = labels.iter().filter(|label| **label == name).count();
+        assert_eq!(named, 2, "{name}: {labels:?}");
+        let extents = texts(&page, &format!("#scene-{number} svg.plot line.extent"));
+        assert!(!extents.is_empty(), "intervals of times are drawn");
+    }
 }
 
 #[test]
