@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
-    Bias, Bounds, Extent, Field, Frame, Frustum, Lens, MapRange, PlanError, Projection, Rect, View,
-    overlap, split_depths,
+    Aabb, Bias, Bounds, Extent, Field, Frame, Frustum, Lens, MapRange, Placed, PlanError,
+    Projection, Rect, Side, View, Volume, split_depths,
 };
 
 use super::{Lookup, SETTINGS, range::Range};
@@ -121,7 +121,8 @@ impl<'a> Job<'a> {
 
     pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
         let lens = Lens::directional(direction);
-        let Some(shaded) = lens.around(&self.bounds.casters) else {
+        let all = Placed::new(&lens, &self.bounds.casters);
+        let Some(shaded) = all.bound().map(|bound| Rect::of(&bound)) else {
             return Ok(Splits {
                 base: lens.base(),
                 splits: Vec::new(),
@@ -136,7 +137,7 @@ impl<'a> Job<'a> {
             } else {
                 self.around(&seen.rect, least, slice.inner)
             };
-            let casters = seen.take_casters(&lens, 0.0, &self.bounds.casters);
+            let casters = seen.take_casters(0.0, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, 0.0);
             self.split(&lens, slice.depths, &seen, casters, bias)
@@ -157,6 +158,7 @@ impl<'a> Job<'a> {
         let lens = Lens::spot(position, direction);
         let floor = Extent::NEAREST * range;
         let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
+        let all = Placed::new(&lens, &self.bounds.casters);
         let slices = self.slices(&lens, position, Some(&cone), None)?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
@@ -167,7 +169,7 @@ impl<'a> Job<'a> {
                 self.around(&seen.rect, least, slice.inner)
             };
             let nearest = seen.near;
-            let casters = seen.take_casters(&lens, floor, &self.bounds.casters);
+            let casters = seen.take_casters(floor, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, nearest);
             self.split(&lens, slice.depths, &seen, casters, bias)
@@ -187,17 +189,22 @@ impl<'a> Job<'a> {
         cone: Option<&Frustum>,
         shaded: Option<&Rect>,
     ) -> Result<Vec<Slice>, PlanError> {
-        let Some([near, far]) = self.range(cone) else {
+        let receivers = self.in_view(cone);
+        let Some([near, far]) = self.range(&receivers) else {
             return Ok(Vec::new());
         };
         let depths = split_depths(near, far, self.splits, self.lambda)?;
         let seen_in = |[near, far]: [f64; 2]| {
-            let part = self.view.part_relative(
+            let [near, far] = [
                 near * (1.0 - Extent::PADDING),
                 far * (1.0 + Extent::PADDING),
-            );
+            ];
+            let part = self.view.part_relative(near, far);
             let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
-            let seen = Extent::of(lens, position, &self.bounds.receivers, &volumes)?;
+            let there = receivers.boxes.iter();
+            let there =
+                there.filter(|(_, [nearest, farthest])| *nearest <= far && near <= *farthest);
+            let seen = Extent::of(lens, position, there.map(|(aabb, _)| *aabb), &volumes)?;
             let rect = shaded.map_or(Some(seen.rect), |shaded| shaded.intersection(&seen.rect))?;
             Some(Extent { rect, ..seen })
         };
@@ -211,9 +218,15 @@ impl<'a> Job<'a> {
                 held[0] -= self.band * (before.depths[1] - before.depths[0]);
             }
             // A receiver seen in the band alone has the map of the split before.
-            if seen_in(depths).is_some()
-                && let Some(seen) = seen_in(held)
-            {
+            let own = seen_in(depths);
+            let seen = own.and_then(|own| {
+                if held == depths {
+                    Some(own)
+                } else {
+                    seen_in(held)
+                }
+            });
+            if let Some(seen) = seen {
                 let margin = self.frame.margin(slices.len())?;
                 let inner = f64::from(self.tile) - 2.0 * margin;
                 slices.push(Slice {
@@ -227,17 +240,36 @@ impl<'a> Job<'a> {
         Ok(slices)
     }
 
-    /// The view depths between which receivers are seen, and shadowed.
-    fn range(&self, cone: Option<&Frustum>) -> Option<[f64; 2]> {
+    /// The receivers in the camera's volume and in the `cone`.
+    fn in_view(&self, cone: Option<&Frustum>) -> InView<'_> {
         let volumes: Vec<_> = std::iter::once(&self.bounds.camera).chain(cone).collect();
+        let mut volume = Volume::new(&volumes);
         let forward = self.view.forward();
-        let receivers = self.bounds.receivers.iter();
-        let points = receivers.flat_map(|receiver| overlap(receiver, &volumes));
-        let depths = points.map(|point| point.dot(forward));
-        let [near, far] = depths.map(|depth| [depth, depth]).reduce(|a, b| {
-            let [near, far] = [a[0].min(b[0]), a[1].max(b[1])];
-            [near, far]
-        })?;
+        let mut found = InView {
+            boxes: Vec::with_capacity(self.bounds.receivers.len()),
+            depths: [f64::INFINITY, f64::NEG_INFINITY],
+        };
+        for receiver in &self.bounds.receivers {
+            let side = volume.side(receiver);
+            if side == Side::Outside {
+                continue;
+            }
+            let depths = receiver.along(forward);
+            found.boxes.push((receiver, depths));
+            if side == Side::Inside {
+                found.add(depths);
+            } else if !found.holds(depths) {
+                for point in volume.cut(receiver) {
+                    found.add([point.dot(forward); 2]);
+                }
+            }
+        }
+        found
+    }
+
+    /// The view depths between which receivers are seen, and shadowed.
+    fn range(&self, receivers: &InView<'_>) -> Option<[f64; 2]> {
+        let [near, far] = receivers.depths;
         let Projection {
             near: least,
             far: most,
@@ -247,6 +279,7 @@ impl<'a> Job<'a> {
             Range::Seen([least, most]) => [near.max(least), far.min(most)],
             Range::Boxes | Range::Unknown => [near, far],
         };
+        // Nothing is seen.
         if near > far {
             return None;
         }
@@ -348,6 +381,24 @@ impl<'a> Job<'a> {
             casters,
             range: MapRange::new(lens, seen, self.tile),
         })
+    }
+}
+
+/// The receivers that may be seen.
+struct InView<'a> {
+    /// Each one's bounds, and its least and greatest view depth, metres.
+    boxes: Vec<(&'a Aabb, [f64; 2])>,
+    /// The least and the greatest view depth of what is seen of them: the first is greater where nothing is.
+    depths: [f64; 2],
+}
+
+impl InView<'_> {
+    fn holds(&self, [near, far]: [f64; 2]) -> bool {
+        self.depths[0] <= near && far <= self.depths[1]
+    }
+
+    fn add(&mut self, [near, far]: [f64; 2]) {
+        self.depths = [self.depths[0].min(near), self.depths[1].max(far)];
     }
 }
 
