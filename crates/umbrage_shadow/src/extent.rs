@@ -186,11 +186,16 @@ impl Beam {
         let held = Aabb::new(rect.min.extend(near), rect.max.extend(far));
         let frustum = Frustum::from_matrix(lens.matrix(rect, near, far));
         let mut volume = Volume::new(&[&frustum]);
+        let middle = |caster: &Aabb| Seen::at(lens, caster.center()).places;
         let mut beam = Self::EMPTY;
         for (i, (caster, bound)) in boxes.iter().zip(bounds).enumerate() {
             let nearest = match bound {
                 Some(bound) if !bound.intersects(&held) => continue,
                 Some(bound) if held.contains(bound) => bound.min.z,
+                // It reaches in, and no part of it is nearer than another caster.
+                Some(bound) if beam.near <= bound.min.z && held.contains(&middle(caster)) => {
+                    beam.near
+                }
                 None if volume.side(caster) == Side::Outside => continue,
                 _ => {
                     let inside = volume.cut(caster).iter();

@@ -9,6 +9,8 @@ use crate::{Aabb, Frustum, bounds::FACES};
 #[derive(Clone, Debug)]
 pub struct Volume<'a> {
     frusta: Vec<Sides<'a>>,
+    /// The planes that cross a box.
+    crossing: Vec<(DVec3, f64)>,
     vertices: Vec<DVec3>,
     polygon: Polygon,
 }
@@ -49,6 +51,7 @@ impl<'a> Volume<'a> {
     pub fn new(frusta: &[&'a Frustum]) -> Self {
         Self {
             frusta: frusta.iter().map(|frustum| Sides::new(frustum)).collect(),
+            crossing: Vec::new(),
             vertices: Vec::new(),
             polygon: Polygon::default(),
         }
@@ -78,14 +81,17 @@ impl<'a> Volume<'a> {
     pub fn cut(&mut self, aabb: &Aabb) -> &[DVec3] {
         let Self {
             frusta,
+            crossing,
             vertices,
             polygon,
         } = self;
         vertices.clear();
+        crossing.clear();
+        let planes = frusta.iter().flat_map(|sides| &sides.frustum.planes);
+        crossing.extend(planes.filter(|(normal, d)| aabb.along(*normal)[0] + d < 0.0));
         let corners = aabb.corners();
         for face in FACES {
-            let planes = frusta.iter().flat_map(|sides| &sides.frustum.planes);
-            vertices.extend(polygon.clip(face.map(|i| corners[i]), planes));
+            vertices.extend(polygon.clip(face.map(|i| corners[i]), &*crossing));
         }
         let box_planes = aabb.planes();
         for (i, sides) in frusta.iter().enumerate() {
