@@ -13,8 +13,8 @@ pub struct Extent {
     pub near: f64,
     /// The greatest.
     pub far: f64,
-    /// Exactness of an f32 position among them; above 0.
-    pub precision: f64,
+    /// The greatest distance of theirs, and of the light's, from the origin.
+    pub reach: f64,
 }
 
 impl Extent {
@@ -57,9 +57,13 @@ impl Extent {
             rect: Rect::of(&places),
             near: places.min.z,
             far: places.max.z,
-            // A receiver that is one point at the origin has no reach, and is divided by.
-            precision: (Self::PRECISION * reach.max(position.length())).max(1e-15),
+            reach: reach.max(position.length()),
         })
+    }
+
+    /// Exactness of an f32 position among them, metres; above 0, as a receiver that is one point at the origin is divided by.
+    pub fn precision(&self) -> f64 {
+        (Self::PRECISION * self.reach).max(1e-15)
     }
 
     /// How much farther than needed the near and far planes stand, relative: beyond any rounding.
@@ -81,11 +85,11 @@ impl Extent {
         let nearest = casters
             .bound()
             .map_or(self.near, |all| self.near.min(all.min.z));
-        let padding = Self::PADDING * (self.far - nearest) + 4.0 * self.precision;
+        let padding = Self::PADDING * (self.far - nearest) + 4.0 * self.precision();
         self.far += padding;
         let beam = Beam::new(casters, &self.rect, nearest - padding, self.far);
         self.near = self.near.min(beam.near);
-        self.near -= Self::PADDING * (self.far - self.near) + 4.0 * self.precision;
+        self.near -= Self::PADDING * (self.far - self.near) + 4.0 * self.precision();
         beam.casters
     }
 
@@ -99,7 +103,7 @@ impl Extent {
             },
             near: self.near.min(other.near),
             far: self.far.max(other.far),
-            precision: self.precision.max(other.precision),
+            reach: self.reach.max(other.reach),
         }
     }
 }
@@ -274,7 +278,7 @@ mod tests {
             let found = [
                 (extent.rect.min.x, slow.min.x), (extent.rect.min.y, slow.min.y), (extent.near, slow.min.z),
                 (extent.rect.max.x, slow.max.x), (extent.rect.max.y, slow.max.y), (extent.far, slow.max.z),
-                (extent.precision / Extent::PRECISION, reach),
+                (extent.reach, reach),
             ];
             prop_assert!(found.iter().all(|(a, b)| near_to(*a, *b)), "{found:?}");
         }

@@ -152,7 +152,7 @@ impl<'a> Job<'a> {
             return self.unshadowed();
         };
         seen.rect = rect;
-        let least = seen.precision;
+        let least = seen.precision();
         self.expand(&mut seen, least);
         let casters = seen.take_casters(0.0, &casters);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
@@ -178,7 +178,7 @@ impl<'a> Job<'a> {
         ) else {
             return self.unshadowed();
         };
-        let least = seen.precision / seen.far;
+        let least = seen.precision() / seen.far;
         self.expand(&mut seen, least);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let nearest_receiver = seen.near;

@@ -131,11 +131,10 @@ impl<'a> Job<'a> {
         let slices = self.slices(&lens, DVec3::ZERO, None, Some(&shaded))?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
-            let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, &shaded, least, slice.inner)
+                self.around_sphere(&lens, &slice, &shaded)
             } else {
-                self.around(&seen.rect, least, slice.inner)
+                self.around(&seen.rect, seen.precision(), slice.inner)
             };
             let casters = seen.take_casters(0.0, &all);
             let texel = self.texel(&seen.rect);
@@ -162,7 +161,7 @@ impl<'a> Job<'a> {
         let slices = self.slices(&lens, position, Some(&cone), None)?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
-            let least = seen.precision / seen.far;
+            let least = seen.precision() / seen.far;
             seen.rect = if self.stable {
                 self.on_grid(&seen.rect, least, slice.inner)
             } else {
@@ -290,8 +289,8 @@ impl<'a> Job<'a> {
                 steady(near, length, self.view.eye)
             }
             Field::Perspective { .. } if self.stable => [
-                near.log2().floor().exp2().max(least) * (1.0 - Extent::PADDING),
-                far.log2().ceil().exp2().min(most) * (1.0 + Extent::PADDING),
+                rounded_down(near, RANGE_STEPS).max(least) * (1.0 - Extent::PADDING),
+                rounded_up(far, RANGE_STEPS).min(most) * (1.0 + Extent::PADDING),
             ],
             _ => [
                 near.max(least) * (1.0 - Extent::PADDING),
@@ -311,27 +310,25 @@ impl<'a> Job<'a> {
         rect.resized(size * tile / inner)
     }
 
-    /// The square on the world's grid of texels around all that the camera may see between two view depths,
-    /// wherever it looks; or around all that is `shaded`, where that is less.
-    fn around_sphere(
-        &self,
-        lens: &Lens,
-        [near, far]: [f64; 2],
-        shaded: &Rect,
-        least: f64,
-        inner: f64,
-    ) -> Rect {
-        let (middle, radius) = sphere(&self.view.projection, near, far);
+    /// The square on the world's grid of texels around all that the camera may see in a split as far away as what it does
+    /// see there, wherever it looks; or around all that is `shaded`, where that is less.
+    fn around_sphere(&self, lens: &Lens, slice: &Slice, shaded: &Rect) -> Rect {
+        let reach = rounded_up(slice.seen.reach, SIZE_STEPS);
+        let (middle, radius) = sphere(&self.view.projection, slice.held, reach);
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.bounds.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let whole = rounded_up(shaded.size().max_element(), 8.0);
+        let whole = rounded_up(shaded.size().max_element(), SIZE_STEPS);
         let (center, size) = if whole < 2.0 * radius {
             (0.5 * (shaded.min + shaded.max), whole)
         } else {
             (center, 2.0 * radius)
         };
-        self.snapped(anchor, center, stable_texel(size, least, inner))
+        self.snapped(
+            anchor,
+            center,
+            stable_texel(size, slice.seen.precision(), slice.inner),
+        )
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.
@@ -413,12 +410,23 @@ struct Slice {
     inner: f64,
 }
 
+/// Steps to the octave by which sizes are rounded, so that they seldom change, and a texel's width with them.
+const SIZE_STEPS: f64 = 8.0;
+
+/// Steps to the octave by which a range's ends are rounded: all splits change with it.
+const RANGE_STEPS: f64 = 4.0;
+
 /// A size rounded up to one of `steps` to the octave: what changes little leaves it alone, and so does rounding, which
 /// may be a 10,000th of a texel.
 fn rounded_up(size: f64, steps: f64) -> f64 {
     const ROUNDING: f64 = 1e-8;
     let octaves = size.max(f64::MIN_POSITIVE).log2() - ROUNDING;
     ((steps * octaves).ceil() / steps).exp2()
+}
+
+/// A size rounded down to one of `steps` to the octave.
+fn rounded_down(size: f64, steps: f64) -> f64 {
+    rounded_up(size.recip(), steps).recip()
 }
 
 /// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to
@@ -439,13 +447,56 @@ fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
     ]
 }
 
-/// The smallest sphere around the part of the view from `near` to `far` (view depths, metres): the depth of its middle
-/// on the camera's axis, and its radius.
-fn sphere(projection: &Projection, near: f64, far: f64) -> (f64, f64) {
-    // Squares of half the diagonal at the two ends; both are equally far from the middle, unless it is beyond `far`.
+/// The smallest sphere around what is seen from view depth `near` to `far` (metres), no farther than `reach` from a camera
+/// with a perspective: the depth of its middle on the camera's axis, and its radius.
+fn sphere(projection: &Projection, [near, far]: [f64; 2], reach: f64) -> (f64, f64) {
+    // Square of half the diagonal at a depth.
     let across = |depth: f64| 0.25 * projection.size_at(depth).length_squared();
+    let far = match projection.field {
+        // Where the view's edges are that far away. Beyond, all is nearer to a middle before it.
+        Field::Perspective { .. } => far.min(reach / (1.0 + across(1.0)).sqrt()),
+        // Its camera may stand anywhere.
+        Field::Orthographic { .. } => far,
+    };
+    if far <= near {
+        return (near, (reach * reach - near * near).max(0.0).sqrt());
+    }
+    // Both ends' rims are equally far from the middle, unless it is beyond `far`.
     let apart = 0.5 * (across(far) - across(near)) / (far - near);
     let middle = (0.5 * (near + far) + apart).min(far);
     let to = |depth: f64| (middle - depth).powi(2) + across(depth);
     (middle, to(near).max(to(far)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Whatever is seen in the split, and no farther than its reach, lies in the ball, and the ball is no larger than that of
+        /// all that may be seen there.
+        #[test]
+        fn a_sphere_holds_what_is_seen(
+            fov_y in 0.1..2.8, aspect in 0.3..3.0, near in 0.1..10.0, ratio in 1.01..9.0, reach in 1.0..4.0,
+            at in prop::collection::vec([-1.0..1.0, -1.0..1.0, 0.0..1.0], 64),
+        ) {
+            let far = near * ratio;
+            let projection = Projection { field: Field::Perspective { fov_y }, aspect, near, far };
+            let reach = near * reach;
+            let (middle, radius) = sphere(&projection, [near, far], reach);
+            let (_, whole) = sphere(&projection, [near, far], f64::INFINITY);
+            prop_assert!(radius <= whole * (1.0 + 1e-12), "{radius} {whole}");
+            for [x, y, z] in at {
+                let depth = near + z * (far - near);
+                let across = 0.5 * projection.size_at(depth) * DVec2::new(x, y);
+                let point = across.extend(depth);
+                if point.length() <= reach {
+                    let apart = point.distance(DVec3::Z * middle);
+                    prop_assert!(apart <= radius * (1.0 + 1e-12), "{apart} {radius}");
+                }
+            }
+        }
+    }
 }
