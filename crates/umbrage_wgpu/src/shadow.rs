@@ -65,7 +65,7 @@ impl<'a> CheckedShadow<'a> {
             casters: Casters {
                 casters,
                 receivers,
-                air: false,
+                air: None,
             },
             settings: &self.settings,
             axes: &self.axes,

@@ -54,10 +54,9 @@ impl Renderer {
                 receiver = receiver.or(Some(object));
             }
         }
-        receiver_bounds.extend(air.and_then(|air| air.shaded));
         let view = &shot.view;
         let mut planned = setup.frame(view, &light.source.light, &caster_bounds, &receiver_bounds);
-        planned.casters.air = air.is_some();
+        planned.casters.air = air.and_then(|air| air.shaded);
         planned.camera_depth = Some([frame.options.width, frame.options.height]);
         let constants = lights::constants(&light.source.light, view.position);
         let choices = lights::choices(frame.options, frame.orthographic);

@@ -192,7 +192,11 @@ impl<'a> Job<'a> {
         let Some([near, far]) = self.range(&receivers) else {
             return Ok(Vec::new());
         };
-        let depths = split_depths(near, far, self.splits, self.lambda)?;
+        let mut depths = split_depths(near, far, self.splits, self.lambda)?;
+        // The first split has the air before all surfaces as well.
+        if !self.view.projection.is_orthographic() {
+            depths[0] = depths[0].min(self.beginning(receivers.depths[0]));
+        }
         let seen_in = |[near, far]: [f64; 2]| {
             let [near, far] = [
                 near * (1.0 - Extent::PADDING),
@@ -247,8 +251,10 @@ impl<'a> Job<'a> {
         let mut found = InView {
             boxes: Vec::with_capacity(self.bounds.receivers.len()),
             depths: [f64::INFINITY, f64::NEG_INFINITY],
+            surface: f64::INFINITY,
         };
-        for receiver in &self.bounds.receivers {
+        let surfaces = self.bounds.receivers.len() - usize::from(self.bounds.air);
+        for (i, receiver) in self.bounds.receivers.iter().enumerate() {
             let side = volume.side(receiver);
             if side == Side::Outside {
                 continue;
@@ -262,18 +268,22 @@ impl<'a> Job<'a> {
                     found.add([point.dot(forward); 2]);
                 }
             }
+            if i < surfaces {
+                found.surface = found.depths[0];
+            }
         }
         found
     }
 
-    /// The view depths between which receivers are seen, and shadowed.
+    /// The view depths between which receivers are seen, and shadowed. Air that a perspective view sees before all surfaces is
+    /// none of it: pixels there are as many as behind, but hardly any light is scattered on so short a way, and splits that
+    /// began at the near plane would be too coarse for the surfaces.
     fn range(&self, receivers: &InView<'_>) -> Option<[f64; 2]> {
-        let [near, far] = receivers.depths;
-        let Projection {
-            near: least,
-            far: most,
-            ..
-        } = self.view.projection;
+        let [nearest, far] = receivers.depths;
+        let near = match self.view.projection.field {
+            Field::Perspective { .. } if receivers.surface.is_finite() => receivers.surface,
+            _ => nearest,
+        };
         let [near, far] = match self.range {
             Range::Seen([least, most]) => [near.max(least), far.min(most)],
             Range::Boxes | Range::Unknown => [near, far],
@@ -288,19 +298,33 @@ impl<'a> Job<'a> {
                 let length = (far - near).max(height / 64.0);
                 steady(near, length, self.view.eye)
             }
-            Field::Perspective { .. } if self.stable => [
-                rounded_down(near, RANGE_STEPS).max(least) * (1.0 - Extent::PADDING),
-                rounded_up(far, RANGE_STEPS).min(most) * (1.0 + Extent::PADDING),
-            ],
-            _ => [
-                near.max(least) * (1.0 - Extent::PADDING),
-                far.min(most) * (1.0 + Extent::PADDING),
-            ],
+            _ => {
+                let far = if self.stable {
+                    rounded_up(far, RANGE_STEPS)
+                } else {
+                    far
+                };
+                let most = self.view.projection.far;
+                [
+                    self.beginning(near),
+                    far.min(most) * (1.0 + Extent::PADDING),
+                ]
+            }
         };
         let far = self
             .shadow_distance
             .map_or(far, |distance| far.min(distance));
         (near < far - Extent::PADDING * far.abs()).then_some([near, far])
+    }
+
+    /// Where splits begin of what is seen from `near` on.
+    fn beginning(&self, near: f64) -> f64 {
+        let near = if self.stable && !self.view.projection.is_orthographic() {
+            rounded_down(near, RANGE_STEPS)
+        } else {
+            near
+        };
+        near.max(self.view.projection.near) * (1.0 - Extent::PADDING)
     }
 
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
@@ -387,6 +411,8 @@ struct InView<'a> {
     boxes: Vec<(&'a Aabb, [f64; 2])>,
     /// The least and the greatest view depth of what is seen of them: the first is greater where nothing is.
     depths: [f64; 2],
+    /// The least of surfaces; infinite where none is seen.
+    surface: f64,
 }
 
 impl InView<'_> {

@@ -9,6 +9,9 @@
 //! receivers and the light, with the near plane at the nearest of them. Of a spot light the maps are crops of
 //! the light's own perspective, before its division.
 //!
+//! Air is seen from the near plane on. To a perspective view, the first split holds what lies before all surfaces, which needs
+//! hardly a larger map: splits are as fine as without air.
+//!
 //! An orthographic view is split evenly, whatever `lambda` is: its pixels are as large at all depths. `stable` splits of it
 //! have one grid of texels, so that no shadow tells where they meet; `shadow_distance` counts from where its camera stands.
 //!
@@ -30,7 +33,7 @@
 //! two numbers and asks for them, and the second one splits what lies between (after Lauritzen, Salvi and Lefohn 2011,
 //! "Sample distribution shadow maps", of which this is the range alone). It costs a pass over the camera's depth for each
 //! light, and a wait within the frame where the engine waits; and splits move with what is seen, by quarters of an octave where
-//! the fit is `stable`. Where air is a receiver, boxes bound the range: it is seen from the near plane on.
+//! the fit is `stable`. Where air is a receiver, boxes bound the range.
 //!
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the
