@@ -54,7 +54,7 @@ pub fn used(gpu: &Arc<Gpu>, composer: &Arc<Composer>) -> Result<Vec<ProjectedKey
     let mut lab = Lab::new(Arc::clone(gpu), Arc::clone(composer), registry);
     let options = CompareOptions {
         size: SIZE,
-        rounds: 1,
+        most_pairs: 1,
         frames: 0,
         store: None,
         command: String::new(),

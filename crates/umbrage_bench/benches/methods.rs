@@ -127,7 +127,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     configs.extend(MIDPOINTS.map(midpoint));
     let options = CompareOptions {
         size: (480, 270),
-        rounds: 15,
+        most_pairs: 15,
         frames: 0,
         store: None,
         command: String::new(),

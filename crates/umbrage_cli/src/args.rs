@@ -140,9 +140,10 @@ pub(crate) struct CompareArgs {
     /// replaced as a whole.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// How often each configuration is timed.
-    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) rounds: u32,
+    /// How many pairs of pictures, one of the plainest shadow map and one of its own, each configuration is timed by at the most;
+    /// where their ratio is known well before, there are fewer.
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(7..))]
+    pub(crate) pairs: u32,
     /// Frames of a small motion in which shimmer is looked for; 0 looks for none.
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub(crate) frames: u32,

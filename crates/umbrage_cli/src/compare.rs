@@ -10,7 +10,7 @@ use umbrage::{
 };
 use umbrage_isa::Compiler;
 use umbrage_measure::{
-    report::Report,
+    report::{Ratio, Report},
     study::{CompareOptions, Config, Lab, compare as measure},
     truth::TruthStore,
 };
@@ -36,7 +36,7 @@ pub(crate) fn compare(args: &CompareArgs, known: Known) -> Result<ExitCode> {
     let configs = configs(args, &lab, &methods)?;
     let options = CompareOptions {
         size: args.size,
-        rounds: args.rounds,
+        most_pairs: args.pairs,
         frames: args.frames,
         store: args.cache.as_ref().map(TruthStore::open).transpose()?,
         command: command_line(),
@@ -143,12 +143,12 @@ fn tell(report: &Report, out: &Path) {
     let front = report.rows.iter().filter(|row| row.pareto);
     for row in front {
         eprintln!(
-            "{}: {} ({}): {:.2} % wrong at {:.2} of the time of one tap, {} KiB",
+            "{}: {} ({}): {:.3} % wrong at {}, {} KiB",
             row.scene,
             row.method,
             row.config,
             100.0 * row.error(),
-            row.time_ratio,
+            time(&row.time_ratio),
             row.memory_bytes >> 10,
         );
     }
@@ -157,4 +157,15 @@ fn tell(report: &Report, out: &Path) {
         report.rows.len(),
         out.join("report.html").display()
     );
+}
+
+/// A time as the terminal shows it.
+fn time(ratio: &Ratio) -> String {
+    let Ratio {
+        median, low, high, ..
+    } = ratio;
+    match ratio.is_told() {
+        true => format!("{median:.2} of the time of one tap ({low:.2} to {high:.2})"),
+        false => format!("a time too noisy to rank ({low:.2} to {high:.2})"),
+    }
 }

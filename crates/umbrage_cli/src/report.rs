@@ -28,7 +28,7 @@ mod tests {
     use std::{fs, path::PathBuf};
 
     use tempfile::TempDir;
-    use umbrage_measure::report::Row;
+    use umbrage_measure::report::{Row, difference};
 
     use super::*;
 
@@ -49,7 +49,8 @@ mod tests {
             .collect();
         let truth: Vec<_> = noise.iter().copied().map(Some).collect();
         let compared = vec![true; noise.len()];
-        let pictures = Pictures::new(&truth, &noise, &compared, (side, side), None);
+        let difference = difference(&truth, &noise, &compared, side, side).expect("of one size");
+        let pictures = Pictures::new(&truth, &noise, difference, None);
         let report = Report {
             rows: vec![row],
             ..Report::default()

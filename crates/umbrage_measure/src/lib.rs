@@ -89,11 +89,13 @@
 //! | figure | what | unit |
 //! | --- | --- | --- |
 //! | `compared`, `left_out` | how many samples there are | samples |
-//! | `false_lit`, `false_shadow` | lit but should not be, and the reverse | share of the compared |
+//! | `false_lit`, `false_shadow` | lit but should not be, and the reverse, on what faces the light | share of the compared |
+//! | `in_shadow` | in shadow in truth, on what faces the light | share |
+//! | `false_lit_of_shadow`, `error_of_shadow` | `false_lit`, and both, over `in_shadow` | share of the shadow |
+//! | `back_facing` | wrong on what is turned away from the light: none of it reaches the eye from there, so nobody sees it | share |
 //! | `beyond_range` | false light farther out than the method's shadow distance | share |
 //! | `peter_panning` | else, peter-panning: false light where what should shade is as near as a bias or the filter reaches, and all that goes on from there without a break | share |
 //! | `edge` | else, false light or shadow where the filter reaches a true edge | share |
-//! | `back_facing` | else, false shadow on the back-facing side of a thin thing, which gets no light anyway | share |
 //! | `leak`, `acne` | else, false light (a light leak), and false shadow | share |
 //! | `rmse`, `p99` | the term's error: root of the mean square, and what 99 of 100 do not exceed | of the term, 0 to 1 |
 //! | `edge_p50`, `edge_p95`, `edge_max` | from each true shadow edge to the nearest rendered one, and back | pixels |
@@ -103,8 +105,9 @@
 //! | `flip` | mean FLIP of the shaded picture against the one with true shadows | 0 alike to 1 |
 //! | `bad_pixels` | not a number, infinite, or outside 0..1 | samples |
 //!
-//! Every wrong sample has exactly one cause: `beyond_range`, `peter_panning`, `back_facing`, `edge`, `leak` and `acne`
-//! add up to `false_lit` and `false_shadow`. How far a bias and a filter reach comes from the plan (the filter's
+//! Every wrong sample that is seen has exactly one cause: `beyond_range`, `peter_panning`, `edge`, `leak` and `acne`
+//! add up to `false_lit` and `false_shadow`. Errors on back-facing sides are in none of the others, nor in `rmse`, `p99`, `shimmer`
+//! and the edges. How far a bias and a filter reach comes from the plan (the filter's
 //! radius, the passes' matrices) and from the receiver's slope; see [`figures::aliasing`].
 //!
 //! ```
@@ -130,7 +133,7 @@
 //!
 //! # Comparing methods
 //! [`study::compare`] draws scenes with configurations of methods and puts errors beside costs, the time
-//! always as a ratio to the plainest shadow map's in the same round; [`report::write`] makes a page of it.
+//! always as a ratio to the plainest shadow map's, drawn right before or after ([`report::Ratio`]); [`report::write`] makes a page of it.
 //! [`study::stress`] draws the hard cases and holds them against their limits. A method takes part by being
 //! registered: without a line of its own in `configs.ron` it is compared with its defaults and with each value
 //! of its axes; without a variant of its own in `limits.ron` it is stressed with its defaults.

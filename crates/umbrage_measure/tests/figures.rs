@@ -79,6 +79,7 @@ impl Measured {
             sight: &self.sight,
             raster: &self.raster,
             lights: vec![Terms {
+                light: &self.scene.lights[0].light,
                 truth: &self.truth,
                 rendered: &self.rendered,
             }],
@@ -218,6 +219,8 @@ fn each_fault_is_put_down_to_its_cause() {
 
         let lifted = of(&[], &[("depth_bias", 30.0)]);
         assert!(lifted.peter_panning > 4.0 * sound.peter_panning, "{name}");
+        // Of thin things, it lights the backs first, where nobody sees it.
+        assert!(lifted.back_facing > sound.back_facing, "{name}");
         assert_eq!(lifted.acne, 0.0, "{name}");
         // Hardly anything that the bias lets through is taken for a leak.
         assert!(lifted.leak < 0.01 * lifted.peter_panning, "{name}");

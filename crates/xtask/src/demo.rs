@@ -20,8 +20,8 @@ const SIZE: &str = "960x540";
 const REPORT: &str = "target/umbrage/report";
 /// Large enough to see what differs, and small enough for a software rasteriser.
 const REPORT_SIZE: &str = "480x270";
-/// Enough for a median; `umbrage compare` takes more for figures to rely on.
-const REPORT_ROUNDS: &str = "3";
+/// Enough for an interval; `umbrage compare` takes more for a narrow one.
+const REPORT_PAIRS: &str = "7";
 
 pub(crate) fn demo() -> Result<()> {
     let mut steps = Steps::new(4);
@@ -62,8 +62,8 @@ pub(crate) fn demo() -> Result<()> {
     compare.args([
         "--size",
         REPORT_SIZE,
-        "--rounds",
-        REPORT_ROUNDS,
+        "--pairs",
+        REPORT_PAIRS,
         "--out",
         REPORT,
     ]);

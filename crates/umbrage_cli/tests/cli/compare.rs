@@ -25,7 +25,7 @@ const CONFIGS: &str = r#"[
 ]"#;
 
 /// Figures that a row must have, as numbers.
-const FIGURES: [&str; 20] = [
+const FIGURES: [&str; 23] = [
     "false_lit",
     "false_shadow",
     "acne",
@@ -42,7 +42,10 @@ const FIGURES: [&str; 20] = [
     "shimmer",
     "flip",
     "bad_pixels",
-    "time_ratio",
+    "back_facing",
+    "texels_written",
+    "triangles",
+    "vertices",
     "memory_bytes",
     "fetches_per_pixel",
     "passes",
@@ -69,8 +72,8 @@ fn configurations_become_rows_of_a_report() {
         &configs,
         "--size",
         "160x90",
-        "--rounds",
-        "3",
+        "--pairs",
+        "7",
         "--frames",
         "4",
         "--cache",
@@ -101,7 +104,11 @@ fn configurations_become_rows_of_a_report() {
         assert!(FIGURES.iter().all(|name| number(row, name).is_finite()));
         assert_eq!(number(row, "bad_pixels"), 0.0);
         assert!(row["pareto"].is_boolean() && row["isa"]["instructions"].as_u64() > Some(50));
-        assert!(number(row, "time_ratio") > 0.0);
+        let ratio = &row["time_ratio"];
+        let [low, median, high] = ["low", "median", "high"].map(|name| number(ratio, name));
+        assert!(0.0 < low && low <= median && median <= high, "{ratio}");
+        assert_eq!(number(ratio, "pairs"), 7.0);
+        assert_eq!(row["time_pairs"].as_array().map(Vec::len), Some(7));
     }
     let [small, large] = rows.as_slice() else {
         panic!("two rows")
@@ -109,6 +116,10 @@ fn configurations_become_rows_of_a_report() {
     // A rectangle and a cube, four bytes a texel; 1 fetch and 9 or 25 of them.
     assert_eq!(number(small, "memory_bytes"), 7.0 * 4.0 * 128.0 * 128.0);
     assert_eq!(number(small, "fetches_per_pixel"), 1.0);
+    // All of it is filled once. The sun's pass and the faces of the lamp's cube that see either draw floor and ball.
+    assert_eq!(number(small, "texels_written"), 7.0 * 128.0 * 128.0);
+    assert!(number(small, "triangles") > number(small, "vertices"));
+    assert_eq!(number(small, "triangles"), number(large, "triangles"));
     assert_eq!(small["fetch_shares"], serde_json::json!({ "1": 1.0 }));
     let shares = large["fetch_shares"].as_object().expect("shares");
     let (mut all, mut mean) = (0.0, 0.0);
@@ -137,7 +148,7 @@ fn configurations_become_rows_of_a_report() {
     let text = fs::read_to_string(folder.path().join("out/report.json")).expect("read");
     let again: Value = serde_json::from_str(&text).expect("JSON");
     for (row, again) in rows.iter().zip(again["rows"].as_array().expect("rows")) {
-        for name in FIGURES.iter().filter(|name| **name != "time_ratio") {
+        for name in FIGURES {
             assert_eq!(row[name], again[name], "{name}");
         }
     }

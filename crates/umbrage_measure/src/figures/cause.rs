@@ -16,7 +16,7 @@ pub(super) struct Case<'a> {
     pub(super) truth: &'a [Side],
     pub(super) rendered: &'a [Side],
     pub(super) gaps: &'a [Option<f64>],
-    /// Whether the light would come from behind.
+    /// Whether no light reaches the eye.
     pub(super) back_facing: &'a [bool],
     pub(super) texels: &'a [Option<Texel>],
     pub(super) true_edges: &'a Edges,
@@ -49,12 +49,12 @@ impl Case<'_> {
             (Ordering::Greater, Ordering::Less) => false,
             _ => return None,
         };
-        Some(if is_lit && self.is_beyond_range(pixel) {
+        Some(if self.back_facing[pixel] {
+            Cause::BackFacing
+        } else if is_lit && self.is_beyond_range(pixel) {
             Cause::BeyondRange
         } else if is_lit && self.is_at_contact(pixel) {
             Cause::PeterPanning
-        } else if !is_lit && self.back_facing[pixel] {
-            Cause::BackFacing
         } else if self.is_at_edge(pixel) {
             Cause::Edge
         } else if is_lit {

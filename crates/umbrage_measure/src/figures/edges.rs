@@ -18,13 +18,14 @@ pub(super) fn side(term: f32) -> Side {
 /// picture's, where the pixel (x, y) stands at (2x, 2y): between two neighbours that see one
 /// surface and are on different sides, or on a pixel that is ½ itself.
 pub(super) struct Edges {
+    /// Those that somebody sees: on what faces the light.
     places: Vec<[u32; 2]>,
-    /// The squared distance to the nearest edge, in steps of the grid; none without an edge.
+    /// The squared distance to the nearest edge, seen or not, in steps of the grid; none without an edge.
     field: Option<Image<Luma<f64>>>,
 }
 
 impl Edges {
-    pub(super) fn new(surface: &Surface, sides: &[Side]) -> Self {
+    pub(super) fn new(surface: &Surface, sides: &[Side], back_facing: &[bool]) -> Self {
         let pixels = 0..sides.len();
         let halves = pixels
             .clone()
@@ -41,15 +42,17 @@ impl Edges {
             let ([ax, ay], [bx, by]) = (surface.column_row(a), surface.column_row(b));
             [(ax + bx) as u32, (ay + by) as u32]
         };
-        let places: Vec<_> = halves.chain(cracks).map(between).collect();
+        let edges: Vec<_> = halves.chain(cracks).collect();
         let (width, height) = (2 * surface.width as u32 - 1, 2 * surface.height as u32 - 1);
-        let field = (!places.is_empty()).then(|| {
+        let field = (!edges.is_empty()).then(|| {
             let mut grid = GrayImage::new(width, height);
-            for [x, y] in &places {
-                grid.put_pixel(*x, *y, Luma([255]));
+            for [x, y] in edges.iter().copied().map(between) {
+                grid.put_pixel(x, y, Luma([255]));
             }
             euclidean_squared_distance_transform(&grid)
         });
+        let is_seen = |(a, b): &(usize, usize)| !back_facing[*a] && !back_facing[*b];
+        let places = edges.into_iter().filter(is_seen).map(between).collect();
         Self { places, field }
     }
 
@@ -63,7 +66,7 @@ impl Edges {
         squared.map_or(f64::INFINITY, |squared| 0.5 * squared.sqrt())
     }
 
-    /// How far each of these edges is from the nearest of the others, in pixels; `farthest` where
+    /// How far each of these edges that is seen is from the nearest of the others, in pixels; `farthest` where
     /// there are no others.
     pub(super) fn distances(&self, others: &Self, farthest: f64) -> impl Iterator<Item = f64> {
         let distance = move |place: &[u32; 2]| others.at_place(*place).min(farthest);

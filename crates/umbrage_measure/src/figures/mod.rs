@@ -28,6 +28,16 @@ pub use self::{
 };
 use crate::truth::Sight;
 
+/// Which pixels see something turned away from each light, so that none of its light reaches the eye: there, no shadow term is seen to
+/// be wrong.
+pub(crate) fn back_facing(scene: &Scene, sight: &Sight) -> Result<Vec<Vec<bool>>, FigureError> {
+    let surface = Surface::new(scene, sight)?;
+    let lights = scene.lights.iter();
+    Ok(lights
+        .map(|light| surface.back_facing(&light.light))
+        .collect())
+}
+
 /// The error figures of a rendering; all but `shimmer` and `flip`. `raster` says what the
 /// rasteriser saw in each pixel: the object, and its triangle.
 ///
@@ -89,16 +99,22 @@ pub struct Figures {
     pub compared: u64,
     /// Samples left out as the rasteriser saw another triangle than the ray, or none.
     pub left_out: u64,
-    /// Share that is lit but should not be.
+    /// Share that is lit but should not be, where somebody sees it: on what faces the light.
     pub false_lit: f64,
-    /// Share that is in shadow but should not be.
+    /// Share that is in shadow but should not be, where somebody sees it.
     pub false_shadow: f64,
-    /// False shadow far from a true edge: the receiver shades itself. `acne`, `back_facing`, `peter_panning`,
+    /// Share that is in shadow in truth, on what faces the light.
+    pub in_shadow: f64,
+    /// `false_lit` over `in_shadow`: a picture that is mostly lit flatters every method. None where nothing is in shadow in truth.
+    pub false_lit_of_shadow: Option<f64>,
+    /// `false_lit` and `false_shadow` over `in_shadow`; none where nothing is in shadow in truth.
+    pub error_of_shadow: Option<f64>,
+    /// False shadow far from a true edge: the receiver shades itself. `acne`, `peter_panning`,
     /// `leak`, `beyond_range` and `edge` are shares too, and add up to `false_lit` and `false_shadow`.
     pub acne: f64,
-    /// False shadow on the back-facing side of a thin thing. Nothing but the thing itself is in the light's
-    /// way, which does not count, but it gets no light there either: such a side can be wrong without being
-    /// seen to be.
+    /// False light and false shadow on what is turned away from the light: no light reaches the eye from there, whatever a shadow
+    /// says. Such samples can be wrong without being seen to be; no other figure but `compared`, `left_out`, `bad_pixels` and those of
+    /// aliasing counts them.
     pub back_facing: f64,
     /// Peter-panning: false light where the nearest thing in the light's way is within the bias's and the filter's
     /// reach of the receiver, R + 2 texels' widths stretched by the receiver's slope (20 times at most),
@@ -174,10 +190,16 @@ impl Pool {
             .map(|(pixel, truth)| truth.filter(|_| is_compared(pixel)))
             .collect();
         let pairs = truth.iter().zip(sample.rendered);
-        let known = pairs.filter_map(|(truth, rendered)| Some(((*truth)?, *rendered)));
+        let back_facing = surface.back_facing(sample.light);
+        let known = pairs
+            .zip(&back_facing)
+            .filter_map(|((truth, rendered), away)| {
+                let error = error((*truth)?, *rendered);
+                // No error is seen where no light reaches the eye.
+                Some(if *away { 0.0 } else { error })
+            });
         let before = self.errors.len();
-        self.errors
-            .extend(known.map(|(truth, rendered)| error(truth, rendered)));
+        self.errors.extend(known);
         let compared = self.errors.len() - before;
         self.counts.compared += compared as u64;
         self.counts.left_out += (reached - compared) as u64;
@@ -189,7 +211,10 @@ impl Pool {
         let seen = texels.iter().zip(&truth).filter(|(_, t)| t.is_some());
         self.aliases
             .extend(seen.filter_map(|(texel, _)| texel.as_ref()?.alias));
-        self.add_edges_and_causes(surface, sample, &truth, &texels);
+        let dark = truth.iter().zip(&back_facing);
+        let dark = dark.filter(|(truth, away)| !**away && truth.is_some_and(|term| term < 0.5));
+        self.counts.in_shadow += dark.count() as f64;
+        self.add_edges_and_causes(surface, sample, &truth, (&texels, &back_facing));
     }
 
     fn add_edges_and_causes(
@@ -197,15 +222,15 @@ impl Pool {
         surface: &Surface,
         sample: &Sample<'_>,
         truth: &[Option<f32>],
-        texels: &[Option<alias::Texel>],
+        (texels, back_facing): (&[Option<alias::Texel>], &[bool]),
     ) {
         let true_sides: Vec<Side> = truth.iter().map(|truth| truth.and_then(side)).collect();
         let pairs = truth.iter().zip(sample.rendered);
         let sides = pairs.map(|(truth, rendered)| truth.and_then(|_| side(*rendered)));
         let sides: Vec<Side> = sides.collect();
         let (true_edges, edges) = rayon::join(
-            || Edges::new(surface, &true_sides),
-            || Edges::new(surface, &sides),
+            || Edges::new(surface, &true_sides, back_facing),
+            || Edges::new(surface, &sides, back_facing),
         );
         let diagonal = (surface.width as f64).hypot(surface.height as f64);
         self.distances
@@ -217,7 +242,7 @@ impl Pool {
             truth: &true_sides,
             rendered: &sides,
             gaps: sample.gaps,
-            back_facing: &surface.back_facing(sample.light),
+            back_facing,
             texels,
             true_edges: &true_edges,
             plan: sample.plan,
@@ -232,7 +257,10 @@ impl Pool {
         let share = match cause {
             None => return,
             Some(Cause::Acne) => &mut counts.acne,
-            Some(Cause::BackFacing) => &mut counts.back_facing,
+            Some(Cause::BackFacing) => {
+                counts.back_facing += 1.0;
+                return;
+            }
             Some(Cause::PeterPanning) => &mut counts.peter_panning,
             Some(Cause::Leak) => &mut counts.leak,
             Some(Cause::BeyondRange) => &mut counts.beyond_range,
@@ -249,12 +277,20 @@ impl Pool {
         let compared = self.counts.compared;
         let share = |count: f64| count / compared.max(1) as f64;
         let squares: f64 = self.errors.iter().map(|error| error * error).sum();
+        let wrong = self.counts.false_lit + self.counts.false_shadow;
+        let of_shadow = |count: f64| {
+            let dark = self.counts.in_shadow;
+            (dark > 0.0).then(|| count / dark)
+        };
         let part = |part: fn(&Alias) -> f64| self.aliases.iter().map(part).collect::<Vec<_>>();
         let over_1 = self.aliases.iter().filter(|alias| alias.ratio() > 1.0);
         let over_1 = over_1.count() as f64 / self.aliases.len() as f64;
         Figures {
             false_lit: share(self.counts.false_lit),
             false_shadow: share(self.counts.false_shadow),
+            in_shadow: share(self.counts.in_shadow),
+            false_lit_of_shadow: of_shadow(self.counts.false_lit),
+            error_of_shadow: of_shadow(wrong),
             acne: share(self.counts.acne),
             back_facing: share(self.counts.back_facing),
             peter_panning: share(self.counts.peter_panning),

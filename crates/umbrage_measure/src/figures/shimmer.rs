@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 use rayon::prelude::*;
 use umbrage_render::Scene;
+use umbrage_shadow::Light;
 
 use super::{
     FigureError,
@@ -30,6 +31,8 @@ pub struct Frame<'a> {
 /// One light's shadow term in a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
+    /// The light.
+    pub light: &'a Light,
     /// Terms in truth.
     pub truth: &'a [Option<f32>],
     /// Terms as rendered.
@@ -40,7 +43,7 @@ pub struct Terms<'a> {
 /// that flips in truth; 0 to 1, the mean over pairs of frames. None where no sample is known in two
 /// frames.
 ///
-/// It is the surface that flips, not the pixel: a compared sample's point is looked for in the next
+/// It is the surface that flips, not the pixel: the point of a compared sample that faces its light is looked for in the next
 /// frame. It is known there if it lies between four pixels that are compared, see the surface that it is on,
 /// and agree on a side, rendered and in truth; it has flipped if their side is not its own. So an
 /// edge that stays in its place on the surface does not count, however the camera moves, and one that
@@ -68,6 +71,8 @@ pub fn shimmer(frames: &[Frame<'_>]) -> Result<Option<f64>, FigureError> {
 /// A frame, prepared.
 struct Still<'a> {
     surface: Surface,
+    /// Where no light of each reaches the eye.
+    back_facing: Vec<Vec<bool>>,
     frame: &'a Frame<'a>,
 }
 
@@ -97,8 +102,13 @@ impl<'a> Still<'a> {
             check("the truth", terms.truth.len())?;
             check("the rendered term", terms.rendered.len())?;
         }
+        let surface = Surface::new(frame.scene, frame.sight)?;
+        let lights = frame.lights.iter();
         Ok(Self {
-            surface: Surface::new(frame.scene, frame.sight)?,
+            back_facing: lights
+                .map(|terms| surface.back_facing(terms.light))
+                .collect(),
+            surface,
             frame,
         })
     }
@@ -154,11 +164,14 @@ impl<'a> Still<'a> {
         flips.fold(Flips::default(), Flips::and)
     }
 
-    /// On which side a compared sample is, rendered and in truth; none where it is on neither.
+    /// On which side a compared sample that faces its light is, rendered and in truth; none where it is on neither.
     fn sides(&self, pixel: usize, light: usize) -> Option<[Ordering; 2]> {
         let Frame { sight, raster, .. } = self.frame;
-        let Terms { truth, rendered } = self.frame.lights[light];
-        let truth = truth[pixel].filter(|_| is_compared(sight, raster, pixel))?;
+        let Terms {
+            truth, rendered, ..
+        } = self.frame.lights[light];
+        let is_seen = is_compared(sight, raster, pixel) && !self.back_facing[light][pixel];
+        let truth = truth[pixel].filter(|_| is_seen)?;
         let decided = |side: Side| side.filter(|side| side.is_ne());
         Some([decided(side(rendered[pixel]))?, decided(side(truth))?])
     }

@@ -1,6 +1,6 @@
 //! Surfaces that a picture sees, as planes, and how planes and pictures relate.
 
-use glam::{DMat2, DMat4, DVec2, DVec3};
+use glam::{DAffine3, DMat2, DMat3, DMat4, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use umbrage_render::Scene;
 
@@ -31,6 +31,8 @@ pub(super) struct Facet {
     pub(super) to_viewer: DVec3,
     /// Unit, on the viewer's side.
     pub(super) normal: DVec3,
+    /// The normal that light is reflected by, on the same side: between those of the triangle's corners.
+    pub(super) shading: DVec3,
     /// How wide the pixel is there, across the line of sight; metres.
     pub(super) pixel: f64,
 }
@@ -65,10 +67,11 @@ impl Surface {
         })
     }
 
-    /// Whether the side that is seen is back-facing: the light, were it to arrive, would come from behind it.
+    /// Whether what is seen is turned away from the light, so that none of it reaches the eye: as its shader has it, by the normal
+    /// between those of the triangle's corners.
     pub(super) fn back_facing(&self, light: &Light) -> Vec<bool> {
         let lamp = Lamp::new(&light.kind, self.view.position);
-        let away = |facet: &Facet| facet.normal.dot(lamp.middle(facet.position).direction) < 0.0;
+        let away = |facet: &Facet| facet.shading.dot(lamp.middle(facet.position).direction) <= 0.0;
         let facets = self.facets.iter();
         facets
             .map(|facet| facet.as_ref().is_some_and(away))
@@ -103,19 +106,22 @@ impl Facet {
     fn new(scene: &Scene, seen: &Seen, view: &View, picture: &Cells) -> Result<Self, FigureError> {
         let position = seen.position + (scene.camera.position - view.position);
         let to_viewer = -view.sight(position);
-        let normal = plane_normal(scene, seen, to_viewer).ok_or(FigureError::ForeignSight {
+        let triangle = Triangle::of(scene, seen).ok_or(FigureError::ForeignSight {
             object: seen.object,
             triangle: seen.triangle,
         })?;
+        let towards = |normal: DVec3, side: DVec3| match normal.dot(side) < 0.0 {
+            true => -normal,
+            false => normal,
+        };
+        let normal = towards(triangle.normal(to_viewer), to_viewer);
+        let shading = triangle.shading(scene.camera.position + seen.position);
         Ok(Self {
             object: seen.object,
             position,
             to_viewer,
-            normal: if normal.dot(to_viewer) < 0.0 {
-                -normal
-            } else {
-                normal
-            },
+            normal,
+            shading: towards(shading.unwrap_or(normal), normal),
             pixel: picture.across(position, to_viewer).width(),
         })
     }
@@ -133,23 +139,68 @@ impl Facet {
     }
 }
 
-/// The unit normal of what is seen, on either side, `to_viewer` where it is no plane; none where the scene has no such
-/// triangle.
-fn plane_normal(scene: &Scene, seen: &Seen, to_viewer: DVec3) -> Option<DVec3> {
-    let object = scene.objects.get(seen.object as usize)?;
-    let first = 3 * seen.triangle as usize;
-    let corner = |i: usize| {
-        let vertex = *object.mesh.indices.get(first + i)?;
-        Some(object.mesh.positions.get(vertex as usize)?.as_dvec3())
-    };
-    let (a, b, c) = (corner(0)?, corner(1)?, corner(2)?);
-    // The translation plays no part, so nothing is lost far out. Edges are scaled, so that the product
-    // of tiny ones does not vanish.
-    let [ab, ac] = [b - a, c - a].map(|edge| {
-        let edge = object.transform.matrix3 * edge;
-        edge / edge.abs().max_element().max(f64::MIN_POSITIVE)
-    });
-    Some(ab.cross(ac).normalize_or(to_viewer))
+/// A triangle that is seen, as its object's mesh has it.
+struct Triangle<'a> {
+    transform: &'a DAffine3,
+    corners: [DVec3; 3],
+    normals: [DVec3; 3],
+}
+
+impl<'a> Triangle<'a> {
+    /// None where the scene has no such triangle.
+    fn of(scene: &'a Scene, seen: &Seen) -> Option<Self> {
+        let object = scene.objects.get(seen.object as usize)?;
+        let first = 3 * seen.triangle as usize;
+        let vertices = object.mesh.indices.get(first..first + 3)?;
+        let of = |values: &[Vec3]| {
+            let mut all = [DVec3::ZERO; 3];
+            for (value, vertex) in all.iter_mut().zip(vertices) {
+                *value = values.get(*vertex as usize)?.as_dvec3();
+            }
+            Some(all)
+        };
+        Some(Self {
+            transform: &object.transform,
+            corners: of(&object.mesh.positions)?,
+            // A mesh without normals is shaded flat.
+            normals: of(&object.mesh.normals).unwrap_or_default(),
+        })
+    }
+
+    /// The unit normal of its plane, on either side; `to_viewer` where it is no plane.
+    fn normal(&self, to_viewer: DVec3) -> DVec3 {
+        // The translation plays no part, so nothing is lost far out. Edges are scaled, so that the product
+        // of tiny ones does not vanish.
+        let [a, b, c] = self.corners;
+        let [ab, ac] = [b - a, c - a].map(|edge| {
+            let edge = self.transform.matrix3 * edge;
+            edge / edge.abs().max_element().max(f64::MIN_POSITIVE)
+        });
+        ab.cross(ac).normalize_or(to_viewer)
+    }
+
+    /// The unit normal between those of its corners `at` a point of it in the world, on either side; none where they come to nothing.
+    fn shading(&self, at: DVec3) -> Option<DVec3> {
+        let [a, b, c] = self
+            .corners
+            .map(|corner| self.transform.transform_point3(corner) - at);
+        // Weights of the corners: the areas across from them.
+        let whole = (b - a).cross(c - a);
+        let weights = [b.cross(c), c.cross(a), a.cross(b)].map(|area| area.dot(whole));
+        let normals = self.normals.into_iter().zip(weights);
+        let between: DVec3 = normals.map(|(normal, weight)| normal * weight).sum();
+        let DMat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = self.transform.matrix3;
+        let cofactors = DMat3::from_cols(
+            y_axis.cross(z_axis),
+            z_axis.cross(x_axis),
+            x_axis.cross(y_axis),
+        );
+        (cofactors * between).try_normalize()
+    }
 }
 
 impl Cells {

@@ -17,7 +17,7 @@ pub const LEFT_OUT: [u8; 3] = [104, 64, 128];
 /// The colour of a bad pixel: a term that is no number or outside 0..1.
 pub const NO_NUMBER: [u8; 3] = [255, 0, 90];
 
-/// Where nothing is seen, or no light arrives.
+/// Where nothing is seen, or no light reaches the eye.
 const NOTHING: [u8; 3] = [16, 16, 18];
 
 /// The grey of a true shadow and of true light, dim enough for the colours to stand out.

@@ -1,5 +1,7 @@
 //! Numbers as people read them.
 
+use super::Ratio;
+
 /// Stands where a figure is missing.
 pub(super) const MISSING: &str = "–";
 
@@ -53,6 +55,26 @@ pub(super) fn percent(share: f64) -> String {
 /// How many times as long.
 pub(super) fn times(ratio: f64) -> String {
     with_unit(number(ratio), " ×")
+}
+
+/// A time with its interval, or why there is none.
+pub(super) fn time(ratio: &Ratio) -> String {
+    match (ratio.is_told(), doubt(ratio)) {
+        (true, Some(doubt)) => format!("{} ({doubt})", times(ratio.median)),
+        (false, Some(doubt)) => doubt,
+        _ => MISSING.to_owned(),
+    }
+}
+
+/// The interval of a ratio: `0.98–1.04`; none where nothing was timed.
+pub(super) fn doubt(ratio: &Ratio) -> Option<String> {
+    let interval = format!("{}–{}", number(ratio.low), number(ratio.high));
+    match ratio.pairs {
+        0 => None,
+        _ if ratio.is_told() => Some(interval),
+        _ if ratio.high.is_finite() => Some(format!("{interval}: too noisy to rank")),
+        _ => Some("too few pairs to rank".to_owned()),
+    }
 }
 
 /// Bytes, in the unit that they fill.
@@ -124,6 +146,20 @@ mod tests {
         assert_eq!(percent(0.012_3), "1.23\u{202f}%");
         assert_eq!(times(1.5), "1.50\u{202f}×");
         assert_eq!(times(f64::NAN), MISSING);
+    }
+
+    #[test]
+    fn times_have_their_interval() {
+        let ratio = |low, high, pairs| Ratio {
+            median: 1.0,
+            low,
+            high,
+            pairs,
+        };
+        assert_eq!(time(&ratio(0.98, 1.04, 20)), "1.00\u{202f}× (0.980–1.04)");
+        assert_eq!(time(&ratio(0.5, 2.0, 40)), "0.500–2.00: too noisy to rank");
+        assert_eq!(time(&Ratio::of(&[1.0; 3])), "too few pairs to rank");
+        assert_eq!(time(&Ratio::default()), MISSING);
     }
 
     #[test]

@@ -8,10 +8,11 @@
 //!   configuration's shadows beside the true ones; a table has every figure.
 //!
 //! # What is recommended, and why
-//! The **error** of a row is [`Row::error`]. A row is on the **Pareto front** where no other row of its
-//! scene is at once no worse and somewhere better, in error and time or in error and memory: whoever
-//! chooses a row off the front gives something away for nothing. Of the front, the page proposes the
-//! fastest row within twice the least error. Rows with bad pixels may be on the front, but are never
+//! The **error** of a row is [`Row::error`]. Its **time** is a [`Ratio`] with an interval; two times whose intervals overlap
+//! are not told apart, and nothing is ranked by them. A row is on the **Pareto front** where no other row of its
+//! scene is for certain no worse and somewhere better, in error and time or in error and memory: whoever
+//! chooses a row off the front gives something away for nothing. The page proposes, of the rows within twice the least
+//! error, the fastest; of those that may be as fast, the one that errs least. Rows with bad pixels may be on the front, but are never
 //! proposed.
 
 mod difference;
@@ -22,6 +23,7 @@ mod page;
 mod pareto;
 mod pictures;
 mod plot;
+mod ratio;
 mod scale;
 mod table;
 mod verdict;
@@ -40,6 +42,7 @@ use crate::figures::Figures;
 pub use difference::{FALSE_LIT, FALSE_SHADOW, LEFT_OUT, NO_NUMBER, difference};
 pub use error::ReportError;
 pub use pictures::Pictures;
+pub use ratio::Ratio;
 pub use umbrage_isa::Isa;
 pub use write::{FILES, FORMAT, check_earlier, write};
 
@@ -56,8 +59,8 @@ pub struct Report {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// How often each time was taken.
-    pub rounds: u32,
+    /// Pairs of pictures that each configuration was timed by at the most.
+    pub most_pairs: u32,
     /// The GPU family that `isa` is for, or why there is none.
     pub isa_source: String,
     /// The scenes, in the order in which they are shown.
@@ -121,15 +124,21 @@ pub struct Row {
     pub shading_ms: Spread,
     /// Time of the whole frame by the clock on the wall, milliseconds.
     pub frame_ms: Spread,
-    /// Casters and shading (the frame, where there are no timestamps) over those of `basic` with one tap
-    /// in the same round; the median over the rounds.
-    pub time_ratio: f64,
-    /// How far that ratio spreads.
-    pub time_ratio_spread: Spread,
+    /// Casters and shading (the frame, where there are no timestamps) over those of `basic` with one tap, drawn right before
+    /// or after.
+    pub time_ratio: Ratio,
+    /// The times that it comes from, pair by pair, those of `basic` with one tap first; milliseconds.
+    pub time_pairs: Vec<[f64; 2]>,
     /// Bytes in the method's textures, and in masks where the path has them.
     pub memory_bytes: u64,
     /// Texels in them.
     pub texels: u64,
+    /// Texels that its passes fill in a picture in which all is drawn, in each of their targets.
+    pub texels_written: u64,
+    /// Triangles that passes of casters draw.
+    pub triangles: u64,
+    /// Vertices in these passes, each once a pass.
+    pub vertices: u64,
     /// Passes that make shadow maps.
     pub passes: u32,
     /// Draw calls in them.
@@ -142,7 +151,7 @@ pub struct Row {
     pub decided: Option<Decided>,
     /// Figures of a GPU's compiler for the costliest fragment shader; none where that compiler is missing.
     pub isa: Option<Isa>,
-    /// Whether no other configuration of the scene is at once no worse and somewhere better, in error
+    /// Whether no other configuration of the scene is for certain no worse and somewhere better, in error
     /// and time or in error and memory.
     pub pareto: bool,
 }

@@ -1,7 +1,7 @@
 //! The pictures of a row, as the page embeds them.
 
 #[cfg(doc)]
-use umbrage_render::Decision;
+use {super::difference, umbrage_render::Decision};
 
 use image::{
     DynamicImage, GrayImage, ImageEncoder, RgbImage,
@@ -10,7 +10,7 @@ use image::{
 
 use super::{
     ReportError,
-    difference::{byte, check_size, difference},
+    difference::{byte, check_size},
 };
 
 /// Pictures of one row's shadows, kept as PNG, a small part of their size in memory.
@@ -26,20 +26,22 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// The rendered term, the true one and their [`difference`], whose parameters these are; and the
-    /// shaded scene, where there is such a picture. White is lit, black is in shadow.
+    /// The rendered term and the true one, one value a pixel, by rows from the top left, and their [`difference`]; and the
+    /// shaded scene, where there is such a picture. White is lit, black is in shadow; the truth is none where nothing is seen or no
+    /// light arrives.
     ///
     /// # Errors
-    /// [`ReportError::Size`] where there is not one value a pixel, or no pixel, or the shaded picture has
+    /// [`ReportError::Size`] where there is not one value a pixel of the difference, or no pixel, or the shaded picture has
     /// another size.
     pub fn new(
         truth: &[Option<f32>],
         rendered: &[f32],
-        compared: &[bool],
-        (width, height): (u32, u32),
+        difference: RgbImage,
         shaded: Option<&RgbImage>,
     ) -> Result<Self, ReportError> {
-        let difference = difference(truth, rendered, compared, width, height)?;
+        let (width, height) = difference.dimensions();
+        check_size(width, height, "true shadow terms", truth.len())?;
+        check_size(width, height, "rendered shadow terms", rendered.len())?;
         if let Some(shaded) = shaded {
             check_picture(
                 (width, height),
@@ -144,8 +146,7 @@ mod tests {
         let pictures = Pictures::new(
             &[Some(0.0), None, Some(1.0), Some(0.5)],
             &[0.25, 1.0, f32::NAN, 2.0],
-            &[true, false, true, true],
-            (2, 2),
+            RgbImage::new(2, 2),
             Some(&RgbImage::from_pixel(2, 2, image::Rgb([1, 2, 3]))),
         )
         .expect("pictures");
@@ -171,7 +172,7 @@ mod tests {
         for size in [(1, 1), (4, 1)] {
             let shaded = RgbImage::new(size.0, size.1);
             let pictures =
-                |shaded| Pictures::new(&[None; 4], &[0.0; 4], &[true; 4], (2, 2), shaded);
+                |shaded| Pictures::new(&[None; 4], &[0.0; 4], RgbImage::new(2, 2), shaded);
             let error = pictures(Some(&shaded)).expect_err("refused");
             assert!(error.to_string().contains("shaded"), "{error}");
             let plain = pictures(None).expect("pictures");

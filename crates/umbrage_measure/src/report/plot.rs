@@ -8,11 +8,11 @@ use plotters::prelude::*;
 
 use super::{
     ReportError, Row,
-    format::{bytes, percent, tick, times},
+    format::{self, bytes, percent, tick},
     names::{Names, Shape},
-    pareto::{memory, points},
+    pareto::{Extent, memory, time},
     scale::Scale,
-    verdict::{ladder, time},
+    verdict::ladder,
 };
 use labels::{Mark, place_labels};
 
@@ -32,9 +32,12 @@ pub(super) struct Cost {
     pub(super) axis: &'static str,
     /// Name of the plot after "error against".
     pub(super) name: &'static str,
-    pub(super) of: fn(&Row) -> f64,
-    /// A cost as people read it.
-    pub(super) show: fn(f64) -> String,
+    /// Where a row's point stands.
+    of: fn(&Row) -> f64,
+    /// How far it may stand aside.
+    pub(super) extent: fn(&Row) -> Extent,
+    /// A row's cost as people read it.
+    pub(super) show: fn(&Row) -> String,
     tick: fn(f64) -> String,
     scale: fn(&[f64]) -> Scale,
 }
@@ -42,8 +45,9 @@ pub(super) struct Cost {
 pub(super) const TIME: Cost = Cost {
     axis: "time, relative to basic with one tap",
     name: "time",
-    of: time,
-    show: times,
+    of: |row| row.time_ratio.median,
+    extent: time,
+    show: |row| format::time(&row.time_ratio),
     tick: |value| format!("{} ×", tick(value)),
     scale: |values| Scale::for_times(values.iter().copied()),
 };
@@ -52,7 +56,8 @@ pub(super) const MEMORY: Cost = Cost {
     axis: "memory of the shadow textures",
     name: "memory",
     of: memory,
-    show: bytes,
+    extent: |row| Extent::exactly(memory(row)),
+    show: |row| bytes(memory(row)),
     tick: |value| bytes(value).replace(".00", "").replace(".0", ""),
     scale: |values| Scale::for_memory(values.iter().copied()),
 };
@@ -62,6 +67,8 @@ struct Point<'a> {
     row: &'a Row,
     x: f64,
     y: f64,
+    /// Left and right end of what its cost may be.
+    extent: [f64; 2],
     on_front: bool,
 }
 
@@ -78,7 +85,7 @@ pub(super) fn plot(
     let measured: Vec<&Row> = rows
         .iter()
         .copied()
-        .filter(|row| row.error().is_finite() && (cost.of)(row).is_finite())
+        .filter(|row| row.error().is_finite() && (cost.extent)(row).high.is_finite())
         .collect();
     if measured.is_empty() {
         return Ok(None);
@@ -99,7 +106,7 @@ pub(super) fn plot(
             (overlay(&points, &front, names, cost))
         }
         @if missing > 0 {
-            p.note { (missing) " of the configurations have no " (cost.name) " or no error, and no point." }
+            p.note { (missing) " of the configurations have no " (cost.name) " that tells anything, or no error, and no point." }
         }
     }))
 }
@@ -110,9 +117,15 @@ fn draw_axes<'a>(
     rows: &[&'a Row],
     cost: Cost,
 ) -> Result<(Vec<Point<'a>>, Corners), Box<dyn std::error::Error>> {
-    let pairs = points(rows, cost.of);
-    let costs: Vec<f64> = pairs.iter().map(|pair| pair.0).collect();
-    let x_scale = (cost.scale)(&costs);
+    let pairs: Vec<_> = rows
+        .iter()
+        .map(|row| ((cost.of)(row), row.error()))
+        .collect();
+    let extents = rows.iter().map(|row| (cost.extent)(row));
+    let ends: Vec<f64> = extents
+        .flat_map(|extent| [extent.low, extent.high])
+        .collect();
+    let x_scale = (cost.scale)(&ends);
     let y_scale = Scale::for_errors(pairs.iter().map(|pair| pair.1));
     let log = |scale: Scale| if scale.is_log() { ", logarithmic" } else { "" };
     let text = |size: i32| ("sans-serif", size).into_font().color(&AXIS);
@@ -138,7 +151,7 @@ fn draw_axes<'a>(
         .x_desc(format!("{}{}", cost.axis, log(x_scale)))
         .y_desc(format!("error: false lit + false shadow{}", log(y_scale)))
         .draw()?;
-    let steps = ladder(rows, cost.of);
+    let steps = ladder(rows, cost.extent);
     let line = staircase(&steps, cost, &x_scale, &y_scale);
     chart.draw_series(LineSeries::new(line.iter().copied(), FRONT.stroke_width(2)))?;
     let place = |pair: &(f64, f64)| {
@@ -151,10 +164,12 @@ fn draw_axes<'a>(
         .zip(pairs)
         .map(|(row, pair)| {
             let (x, y) = place(&pair);
+            let Extent { low, high } = (cost.extent)(row);
             Point {
                 row,
                 x,
                 y,
+                extent: [low, high].map(|end| place(&(end, pair.1)).0),
                 on_front: steps.iter().any(|step| std::ptr::eq(*step, *row)),
             }
         })
@@ -203,6 +218,10 @@ fn overlay(points: &[Point<'_>], front: &[(f64, f64)], names: &Names, cost: Cost
         @for point in order {
             g class={ "pt " (names.class(&point.row.method)) @if point.on_front { " on" } } {
                 title { (tooltip(point, names, cost)) }
+                @let [from, to] = point.extent;
+                @if to - from > 1.0 {
+                    line.extent x1=(coord(from)) y1=(coord(point.y)) x2=(coord(to)) y2=(coord(point.y)) {}
+                }
                 (shape(names.shape(&point.row.method), point))
             }
         }
@@ -234,7 +253,7 @@ fn tooltip(point: &Point<'_>, names: &Names, cost: Cost) -> String {
         percent(row.figures.false_lit),
         percent(row.figures.false_shadow),
         cost.name,
-        (cost.show)((cost.of)(row)),
+        (cost.show)(row),
     );
     if point.on_front {
         text.push_str("\non the Pareto front");
@@ -277,6 +296,7 @@ pub(super) fn swatch(names: &Names, method: &str) -> Markup {
         row: &Row::default(),
         x: 8.0,
         y: 8.0,
+        extent: [8.0; 2],
         on_front: true,
     };
     html! {

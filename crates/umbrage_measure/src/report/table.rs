@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::{
     Report, Row,
-    format::{MISSING, bytes, percent, times, whole},
+    format::{MISSING, bytes, percent, time, whole},
     names::Names,
     pareto::memory,
     plot::swatch,
@@ -86,7 +86,7 @@ fn in_order(report: &Report, rows: &[usize]) -> Vec<usize> {
             .cmp(&a.pareto)
             // NaN is above all numbers, whatever its sign bit.
             .then(key(a.error()).total_cmp(&key(b.error())))
-            .then(key(a.time_ratio).total_cmp(&key(b.time_ratio))),
+            .then(a.memory_bytes.cmp(&b.memory_bytes)),
         _ => a.cmp(b),
     });
     order
@@ -122,13 +122,11 @@ fn cell(row: &Row, column: &Column, group: &str, first: bool) -> Markup {
         td class={ @if first { "first " } @if bad { "bad " } "g-" (group) }
             data-v=[value.map(|value| value.to_string())] {
             @match value {
-                Some(value) => {
-                    ((column.show)(value))
-                    @if let Some(beside) = column.beside.and_then(|beside| beside(row)) {
-                        " " small { (beside) }
-                    }
-                }
+                Some(value) => { ((column.show)(value)) }
                 None => { (MISSING) }
+            }
+            @if let Some(beside) = column.beside.and_then(|beside| beside(row)) {
+                " " small { (beside) }
             }
         }
     }
@@ -140,7 +138,7 @@ pub(super) fn key_figures(row: &Row) -> Markup {
         span.fig { b { (percent(row.error())) } " error" }
         span.fig { (percent(row.figures.false_lit)) " false lit" }
         span.fig { (percent(row.figures.false_shadow)) " false shadow" }
-        span.fig { (times(row.time_ratio)) " time" }
+        span.fig { (time(&row.time_ratio)) " time" }
         span.fig { (bytes(memory(row))) }
         @if let Some(decided) = row.decided {
             span.fig { (percent(decided.at_once())) " decided at once" }

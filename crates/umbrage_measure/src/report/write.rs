@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{Pictures, Report, ReportError, page::page};
 
 /// Marks `report.json` as ours. The number goes up when the meaning of its members changes.
-pub const FORMAT: &str = "umbrage report 1";
+pub const FORMAT: &str = "umbrage report 2";
 
 const JSON: &str = "report.json";
 const HTML: &str = "report.html";

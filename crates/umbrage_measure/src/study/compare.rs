@@ -6,6 +6,7 @@ use umbrage_render::{RenderError, Rendered, Scene};
 
 use super::{
     Config, Lab, Progress, StudyError,
+    drawn::Drawn,
     lab::{Subject, Unshadowed, mean},
     motion::{Moving, cameras, shimmer_of},
     timing::{Timing, time},
@@ -19,8 +20,9 @@ use crate::{
 pub struct CompareOptions {
     /// Pixels across and down.
     pub size: (u32, u32),
-    /// Timed pictures a configuration; the median of fewer than 9 means little.
-    pub rounds: u32,
+    /// Pairs of pictures, one of the baseline and one of its own, that a configuration is timed by at the most; fewer than 7 give
+    /// no interval, and times are not ranked.
+    pub most_pairs: u32,
     /// Pictures, each way half as large, that shimmer is looked for in; fewer than 2 look for none.
     pub frames: u32,
     /// Where truths are kept from run to run.
@@ -74,7 +76,7 @@ pub fn compare(
             command: options.command.clone(),
             width: options.size.0,
             height: options.size.1,
-            rounds: options.rounds,
+            most_pairs: options.most_pairs,
             isa_source: match &compiler {
                 Ok(compiler) => compiler.family().to_owned(),
                 Err(reason) => reason.clone(),
@@ -170,17 +172,19 @@ impl Run<'_> {
         if tried.is_empty() {
             return Ok(());
         }
-        let times = self.time(&subject, &tried)?;
-        for ((row, pictures), timing) in entries.into_iter().zip(times) {
+        self.begin("timing", tried.len());
+        for ((row, pictures), config) in entries.into_iter().zip(tried) {
+            let timing = self.time(&subject, config)?;
             self.comparison.report.rows.push(Row {
                 casters_ms: timing.casters_ms,
                 shading_ms: timing.shading_ms,
                 frame_ms: timing.frame_ms,
-                time_ratio: timing.ratio.median,
-                time_ratio_spread: timing.ratio,
+                time_ratio: timing.ratio,
+                time_pairs: timing.pairs,
                 ..row
             });
             self.comparison.pictures.push(pictures);
+            self.progress.step();
         }
         Ok(())
     }
@@ -200,7 +204,8 @@ impl Run<'_> {
         let drawn = self.lab.terms(subject, &options).and_then(|terms| {
             let fetches = self.lab.fetches(subject, &options)?;
             let decided = self.lab.decided(subject, config, mean(&fetches))?;
-            Ok((terms, fetches, decided, self.lab.shaded(subject, &options)?))
+            let shaded = self.lab.render(subject.scene, &options)?;
+            Ok((terms, fetches, decided, shaded))
         });
         // A device's refusal of one configuration says nothing of the others.
         let (terms, fetch_shares, decided, shaded) = match drawn {
@@ -215,6 +220,7 @@ impl Run<'_> {
         };
         figures.flip = Some(subject.flip(unshadowed, &shaded)?);
         let report = &shaded.report;
+        let drawn = Drawn::of(self.scene, &report.plans);
         let row = Row {
             scene: self.name.to_owned(),
             method: config.shadow.method.clone(),
@@ -223,6 +229,9 @@ impl Run<'_> {
             figures,
             memory_bytes: report.shadow_bytes + report.mask_bytes,
             texels: report.texels,
+            texels_written: drawn.texels,
+            triangles: drawn.triangles,
+            vertices: drawn.vertices,
             passes: report.caster_passes + report.derived_passes,
             draws: report.caster_draws,
             fetches_per_pixel: mean(&fetch_shares),
@@ -262,19 +271,12 @@ impl Run<'_> {
         Ok(costliest)
     }
 
-    fn time(
-        &mut self,
-        subject: &Subject<'_>,
-        configs: &[&Config],
-    ) -> Result<Vec<Timing>, StudyError> {
-        let rounds = self.options.rounds;
-        self.begin("timing", rounds as usize * (configs.len() + 1));
-        time(self.lab, subject, configs, rounds, self.progress).map_err(|(what, source)| {
-            StudyError::Render {
-                scene: self.name.to_owned(),
-                what,
-                source,
-            }
+    fn time(&mut self, subject: &Subject<'_>, config: &Config) -> Result<Timing, StudyError> {
+        let timed = time(self.lab, subject, config, self.options.most_pairs);
+        timed.map_err(|(what, source)| StudyError::Render {
+            scene: self.name.to_owned(),
+            what,
+            source,
         })
     }
 

@@ -11,8 +11,8 @@ use umbrage_shadow::{LightKind, Registry, Support};
 
 use super::{Config, StudyError};
 use crate::{
-    figures::{Figures, Sample, figures, flip},
-    report::Pictures,
+    figures::{Figures, Sample, back_facing, figures, flip},
+    report::{Pictures, difference},
     truth::Truth,
 };
 
@@ -21,6 +21,8 @@ pub struct Lab {
     composer: Arc<Composer>,
     registry: Registry,
     renderer: Renderer,
+    /// Draws what the renderer's pictures are timed beside, with maps of its own.
+    beside: Renderer,
     adapter: String,
 }
 
@@ -44,8 +46,10 @@ impl Lab {
     /// A lab whose permutations come from `composer`.
     pub fn new(gpu: Arc<Gpu>, composer: Arc<Composer>, registry: Registry) -> Self {
         let adapter = gpu.adapter().to_owned();
+        let renderer = || Renderer::new(Arc::clone(&gpu), Arc::clone(&composer), registry.clone());
         Self {
-            renderer: Renderer::new(gpu, Arc::clone(&composer), registry.clone()),
+            renderer: renderer(),
+            beside: renderer(),
             composer,
             registry,
             adapter,
@@ -187,17 +191,23 @@ impl Lab {
             .collect())
     }
 
-    /// The shaded picture, and how long its passes took.
-    pub(super) fn shaded(
+    /// The shaded picture, and how long its passes took: drawn where all else is drawn, or beside that.
+    pub(super) fn timed(
         &mut self,
         subject: &Subject<'_>,
         options: &RenderOptions,
+        is_own: bool,
     ) -> Result<Rendered, RenderError> {
+        let renderer = if is_own {
+            &mut self.renderer
+        } else {
+            &mut self.beside
+        };
         let options = RenderOptions {
             timed: true,
             ..options.clone()
         };
-        self.render(subject.scene, &options)
+        renderer.render(subject.scene, &options)
     }
 
     /// The scene without its shadows.
@@ -345,24 +355,44 @@ impl Subject<'_> {
         shaded: Option<&Rendered>,
     ) -> Result<Pictures, StudyError> {
         let rendered = terms(rendered);
-        let (mut truth, mut drawn) = (Vec::new(), Vec::new());
-        for pixel in 0..self.truth.sight.seen().len() {
-            let lights = self.truth.terms.iter().zip(rendered);
-            // Where a light does not reach, what its method says does not matter.
-            let reached = lights.filter_map(|(truth, drawn)| Some((truth[pixel]?, drawn[pixel])));
-            let product = reached.reduce(|a, b| (a.0 * b.0, a.1 * b.1));
-            truth.push(product.map(|(truth, _)| truth));
-            drawn.push(product.map_or(1.0, |(_, drawn)| drawn));
-        }
-        let compared: Vec<_> = (0..truth.len()).map(|pixel| self.agrees(pixel)).collect();
+        let back_facing = back_facing(self.scene, &self.truth.sight)?;
+        let pixels = 0..self.truth.sight.seen().len();
+        // The product of the truths and that of what was drawn, over the lights that reach a pixel: what the method says of
+        // others does not matter.
+        let product = |pixel: usize, is_seen: &dyn Fn(usize) -> bool| {
+            let lights = self.truth.terms.iter().zip(rendered).enumerate();
+            let reached = lights.filter(|(light, _)| is_seen(*light));
+            let reached =
+                reached.filter_map(|(_, (truth, drawn))| Some((truth[pixel]?, drawn[pixel])));
+            reached.reduce(|a, b| (a.0 * b.0, a.1 * b.1))
+        };
+        let split = |products: Vec<Option<(f32, f32)>>| {
+            let products = products.into_iter();
+            products
+                .map(|product| {
+                    (
+                        product.map(|(truth, _)| truth),
+                        product.map_or(1.0, |(_, drawn)| drawn),
+                    )
+                })
+                .unzip::<_, _, Vec<_>, Vec<_>>()
+        };
+        let (truth, drawn) = split(
+            pixels
+                .clone()
+                .map(|pixel| product(pixel, &|_| true))
+                .collect(),
+        );
+        // Nobody sees an error where a light's side is turned away from it.
+        let seen = pixels
+            .clone()
+            .map(|pixel| product(pixel, &|light| !back_facing[light][pixel]));
+        let (true_seen, drawn_seen) = split(seen.collect());
+        let compared: Vec<_> = pixels.map(|pixel| self.agrees(pixel)).collect();
+        let (width, height) = self.size();
+        let difference = difference(&true_seen, &drawn_seen, &compared, width, height)?;
         let shaded = shaded.map(|shaded| shaded.to_image().into_rgb8());
-        Ok(Pictures::new(
-            &truth,
-            &drawn,
-            &compared,
-            self.size(),
-            shaded.as_ref(),
-        )?)
+        Ok(Pictures::new(&truth, &drawn, difference, shaded.as_ref())?)
     }
 }
 

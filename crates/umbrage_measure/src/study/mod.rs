@@ -2,6 +2,7 @@
 
 mod compare;
 mod decisions;
+mod drawn;
 mod lab;
 mod motion;
 mod stress;

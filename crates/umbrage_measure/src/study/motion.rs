@@ -128,6 +128,7 @@ pub(super) fn shimmer_between(
                 .casting()
                 .filter_map(|light| {
                     Some(Terms {
+                        light: &subject.scene.lights.get(light)?.light,
                         truth: subject.truth.terms.get(light)?,
                         rendered: terms(rendered).get(light)?,
                     })

@@ -50,7 +50,7 @@ fn lights_and_shadow_terms_add_up_to_the_shaded_picture() {
         };
         let subject = lab.subject(&scene, &truth).expect("drawn");
         let rendered = lab.terms(&subject, &options).expect("drawn");
-        let shaded = lab.shaded(&subject, &options).expect("drawn");
+        let shaded = lab.render(&scene, &options).expect("drawn");
         let unshadowed = lab.unshadowed(&subject).expect("drawn");
         let own = terms(&rendered).iter();
         truth.terms = own.map(|t| t.iter().copied().map(Some).collect()).collect();
@@ -315,7 +315,7 @@ fn decisions_are_looked_for_where_filters_can_be_spared() {
     };
     let options = CompareOptions {
         size: SIZE,
-        rounds: 1,
+        most_pairs: 1,
         frames: 0,
         store: None,
         command: String::new(),

@@ -1,11 +1,10 @@
-//! How long pictures take: configurations side by side, round after round, so that what else the machine
-//! does falls on all of them alike.
+//! How long pictures take: pair by pair with the baseline, so that what else the machine does falls on both alike.
 
 use umbrage_compose::Purpose;
 use umbrage_render::{PassTime, Path, RenderError, Rendered, Shadow};
 
-use super::{Config, Lab, Progress, lab::Subject};
-use crate::report::Spread;
+use super::{Config, Lab, lab::Subject};
+use crate::report::{Ratio, Spread};
 
 /// The configuration that times are compared with: the plainest shadow map, one tap wide.
 pub(super) fn baseline() -> Config {
@@ -16,87 +15,99 @@ pub(super) fn baseline() -> Config {
     }
 }
 
-/// Times of one configuration's rounds, milliseconds.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Times {
-    /// The passes that make shadow maps and what is computed from them, and the passes that shade; empty where the adapter has no timestamps.
-    casters: Vec<f64>,
-    shading: Vec<f64>,
-    /// From the first command to the last pixel, as the clock on the wall has it.
-    frame: Vec<f64>,
-}
-
-/// Times of a configuration, and as ratios to the baseline's.
+/// A configuration's times, and as a ratio to the baseline's.
+#[derive(Debug, Default)]
 pub(super) struct Timing {
     pub(super) casters_ms: Spread,
     pub(super) shading_ms: Spread,
     pub(super) frame_ms: Spread,
-    pub(super) ratio: Spread,
+    pub(super) ratio: Ratio,
+    /// Each pair's times, the baseline's first; milliseconds.
+    pub(super) pairs: Vec<[f64; 2]>,
 }
 
-/// Draws the subject `rounds` times with each of `configs`, the baseline first in each round. Pipelines must
-/// have been made. An error names the configuration.
+/// Times of one picture, milliseconds.
+struct Times {
+    /// The passes that make shadow maps and what is computed from them, and the passes that shade; none where the adapter has no
+    /// timestamps.
+    passes: Option<[f64; 2]>,
+    /// From the first command to the last pixel, as the clock on the wall has it.
+    frame: f64,
+}
+
+/// Draws the subject with the baseline and with `config` in turn, until the interval of their ratio is narrow or there are
+/// `most_pairs` of them. Each of the two has a renderer of its own, so that both find their maps and pipelines as they left
+/// them; which of the two begins changes from pair to pair. An error names the configuration.
 pub(super) fn time(
     lab: &mut Lab,
     subject: &Subject<'_>,
-    configs: &[&Config],
-    rounds: u32,
-    progress: &dyn Progress,
-) -> Result<Vec<Timing>, (String, RenderError)> {
+    config: &Config,
+    most_pairs: u32,
+) -> Result<Timing, (String, RenderError)> {
     let baseline = baseline();
-    let mut times = vec![Times::default(); configs.len() + 1];
-    let all = || std::iter::once(&baseline).chain(configs.iter().copied());
-    for _ in 0..rounds {
-        for (config, times) in all().zip(&mut times) {
-            let options = config.options(subject.size());
-            // The first one makes the maps, in the place of another configuration's: not counted.
-            let shaded = lab
-                .shaded(subject, &options)
-                .and_then(|_| lab.shaded(subject, &options));
-            times.add(&shaded.map_err(|error| (config.label(), error))?);
-            progress.step();
+    let mut draw = |is_own: bool| {
+        let config = if is_own { config } else { &baseline };
+        let shaded = lab.timed(subject, &config.options(subject.size()), is_own);
+        let shaded = shaded.map_err(|error| (config.label(), error))?;
+        Ok(Times::of(&shaded))
+    };
+    // Pictures that make pipelines and maps are not counted.
+    draw(false)?;
+    draw(true)?;
+    let (mut own, mut pairs) = (Vec::new(), Vec::new());
+    for number in 0..most_pairs {
+        let own_first = number % 2 == 1;
+        let (first, second) = (draw(own_first)?, draw(!own_first)?);
+        let (before, after) = if own_first {
+            (second, first)
+        } else {
+            (first, second)
+        };
+        pairs.push([before.whole(), after.whole()]);
+        own.push(after);
+        if ratio(&pairs).is_narrow() {
+            break;
         }
     }
-    let (baseline, own) = times.split_at(1);
-    Ok(own.iter().map(|own| own.against(&baseline[0])).collect())
+    let part = |part: usize| {
+        let times = own.iter().filter_map(|times| Some(times.passes?[part]));
+        Spread::of(&times.collect::<Vec<_>>())
+    };
+    let frames: Vec<_> = own.iter().map(|times| times.frame).collect();
+    Ok(Timing {
+        casters_ms: part(0),
+        shading_ms: part(1),
+        frame_ms: Spread::of(&frames),
+        ratio: ratio(&pairs),
+        pairs,
+    })
+}
+
+/// The ratio that pairs of times come to, the baseline's first in each.
+pub(super) fn ratio(pairs: &[[f64; 2]]) -> Ratio {
+    let ratios = pairs.iter().map(|[baseline, own]| own / baseline);
+    Ratio::of(&ratios.collect::<Vec<_>>())
 }
 
 impl Times {
-    fn add(&mut self, rendered: &Rendered) {
+    fn of(rendered: &Rendered) -> Self {
         let report = &rendered.report;
-        self.frame.push(report.gpu_milliseconds);
-        if report.times.is_empty() {
-            return;
-        }
         let sum = |wanted: &dyn Fn(&PassTime) -> bool| {
             let passes = report.times.iter().filter(|time| wanted(time));
             passes.map(|time| time.milliseconds).sum::<f64>()
         };
-        self.casters
-            .push(sum(&|pass| pass.purpose == Purpose::Maps));
+        let casters = sum(&|pass| pass.purpose == Purpose::Maps);
         // A picture's share that no light has counts for none.
         let shades = |pass: &PassTime| matches!(pass.purpose, Purpose::Shadow | Purpose::Light);
-        self.shading.push(sum(&shades));
-    }
-
-    /// These times beside those of the baseline.
-    fn against(&self, baseline: &Self) -> Timing {
-        let rounds = self.whole().into_iter().zip(baseline.whole());
-        let ratios: Vec<_> = rounds.map(|(own, baseline)| own / baseline).collect();
-        Timing {
-            casters_ms: Spread::of(&self.casters),
-            shading_ms: Spread::of(&self.shading),
-            frame_ms: Spread::of(&self.frame),
-            ratio: Spread::of(&ratios),
+        Self {
+            passes: (!report.times.is_empty()).then(|| [casters, sum(&shades)]),
+            frame: report.gpu_milliseconds,
         }
     }
 
-    /// Casters and shading of each round; the time on the wall where there are no timestamps.
-    fn whole(&self) -> Vec<f64> {
-        if self.casters.is_empty() {
-            return self.frame.clone();
-        }
-        let both = self.casters.iter().zip(&self.shading);
-        both.map(|(casters, shading)| casters + shading).collect()
+    /// Casters and shading; the time on the wall where there are no timestamps.
+    fn whole(&self) -> f64 {
+        self.passes
+            .map_or(self.frame, |[casters, shading]| casters + shading)
     }
 }

@@ -120,6 +120,68 @@ fn the_contacts_reach_grows_with_the_slope() {
     }
 }
 
+/// Light from below, and from along the floor: none of it reaches the eye, whatever is said of it.
+#[test]
+fn what_is_turned_away_from_the_light_is_seen_to_be_neither_lit_nor_dark() {
+    for direction in [DVec3::Y, DVec3::new(1.0, 0.1, 0.0).normalize()] {
+        let mut made = half_dark();
+        made.scene.lights[0].light.kind = umbrage_shadow::LightKind::Directional { direction };
+        made.rendered[at(20, 50)] = 1.0;
+        made.rendered[at(80, 50)] = 0.0;
+        made.gaps[at(20, 50)] = Some(0.01);
+        let figures = made.figures();
+        assert_eq!(counts(&figures), [0.0; 5]);
+        assert_eq!((figures.compared, figures.back_facing), (10_000, 2e-4));
+        let seen = [
+            figures.false_lit,
+            figures.false_shadow,
+            figures.rmse,
+            figures.p99,
+            figures.in_shadow,
+        ];
+        assert_eq!(seen, [0.0; 5]);
+        assert_eq!((figures.edge_max, figures.error_of_shadow), (None, None));
+    }
+}
+
+/// Normals at the corners lean towards a light from below the plane, so that some of it reaches the eye, and errors
+/// are seen; or away from one above, so that they are not.
+#[test]
+fn light_reaches_the_eye_by_the_normal_that_shades() {
+    let wrong = |normal: glam::Vec3, direction: DVec3| {
+        let mut made = half_dark();
+        let object = &mut made.scene.objects[0];
+        let mut mesh = (*object.mesh).clone();
+        mesh.normals = vec![normal.normalize(); mesh.positions.len()];
+        object.mesh = std::sync::Arc::new(mesh);
+        made.scene.lights[0].light.kind = umbrage_shadow::LightKind::Directional { direction };
+        made.rendered[at(20, 50)] = 1.0;
+        let figures = made.figures();
+        [figures.false_lit, figures.back_facing].map(|share| (share * 10_000.0).round())
+    };
+    let grazing = |y: f64| DVec3::new(1.0, y, 0.0).normalize();
+    let leans = |x: f32| glam::Vec3::new(x, 1.0, 0.0);
+    assert_eq!(wrong(leans(0.0), grazing(-0.1)), [1.0, 0.0]);
+    assert_eq!(wrong(leans(0.5), grazing(-0.1)), [0.0, 1.0]);
+    assert_eq!(wrong(leans(0.0), grazing(0.1)), [0.0, 1.0]);
+    assert_eq!(wrong(leans(-0.5), grazing(0.1)), [1.0, 0.0]);
+    // The other side of a leaf has the same normals, turned round.
+    assert_eq!(wrong(-leans(0.5), grazing(-0.1)), [0.0, 1.0]);
+    // A mesh that has none there is shaded flat.
+    assert_eq!(wrong(glam::Vec3::ZERO, grazing(-0.1)), [1.0, 0.0]);
+}
+
+#[test]
+fn errors_are_told_as_a_share_of_the_shadow_too() {
+    let mut made = half_dark();
+    made.rendered[at(20, 50)] = 1.0;
+    made.rendered[at(80, 50)] = 0.0;
+    let figures = made.figures();
+    assert_eq!(figures.in_shadow, 0.5);
+    assert_eq!(figures.false_lit_of_shadow, Some(1.0 / 5000.0));
+    assert_eq!(figures.error_of_shadow, Some(2.0 / 5000.0));
+}
+
 #[test]
 fn a_leak_in_one_piece_with_a_contact_is_its_band() {
     let mut made = half_dark();

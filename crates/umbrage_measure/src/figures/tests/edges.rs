@@ -119,7 +119,9 @@ fn a_silhouette_is_no_edge() {
             .collect()
     };
     let count = |is_lit: &dyn Fn(u32, DVec3) -> bool| {
-        let edges = Edges::new(&surface, &sides_by(is_lit));
+        let sides = sides_by(is_lit);
+        let facing = vec![false; sides.len()];
+        let edges = Edges::new(&surface, &sides, &facing);
         edges.distances(&edges, 0.0).count()
     };
     assert!(sight.seen().iter().flatten().any(|seen| seen.object == 1));
@@ -163,7 +165,8 @@ proptest! {
         };
         let (a, b) = (sides(&truth), sides(&rendered));
         let expected = brute(width, height, &a, &b);
-        let (a, b) = (Edges::new(&surface, &a), Edges::new(&surface, &b));
+        let facing = vec![false; a.len()];
+        let (a, b) = (Edges::new(&surface, &a, &facing), Edges::new(&surface, &b, &facing));
         let mut found: Vec<_> = a.distances(&b, 99.0).collect();
         found.sort_by(f64::total_cmp);
         prop_assert_eq!(found.len(), expected.len());

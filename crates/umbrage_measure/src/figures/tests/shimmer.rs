@@ -83,6 +83,7 @@ fn measured_at(
         sight: &sights[i],
         raster: &rasters[i],
         lights: vec![Terms {
+            light: &scenes[i].lights[0].light,
             truth: &truths[i],
             rendered: &rendered[i],
         }],
@@ -158,6 +159,7 @@ fn blinking(share: usize) -> Option<f64> {
         sight: &sight,
         raster: &raster,
         lights: vec![Terms {
+            light: &scene.lights[0].light,
             truth: &truth,
             rendered,
         }],
@@ -203,6 +205,7 @@ fn what_comes_into_view_does_not_flip() {
         sight: &sights[i],
         raster: &rasters[i],
         lights: vec![Terms {
+            light: &scenes[i].lights[0].light,
             truth: &truth,
             rendered: &rendered[i],
         }],
@@ -217,6 +220,7 @@ fn frames_that_do_not_fit_are_refused_and_too_few_say_nothing() {
     let sight = look(&scene, 4, 3);
     let (raster, truth, rendered) = (same(&sight), vec![Some(1.0); 12], vec![1.0; 12]);
     let terms = Terms {
+        light: &scene.lights[0].light,
         truth: &truth,
         rendered: &rendered,
     };

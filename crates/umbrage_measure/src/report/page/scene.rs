@@ -6,7 +6,7 @@ use umbrage_render::Decision;
 use super::{Page, data_url};
 use crate::report::{
     Pictures, ReportError, Row,
-    format::{bytes, percent, times, whole},
+    format::{bytes, percent, time, whole},
     pareto::memory,
     plot::{Cost, MEMORY, TIME, plot, swatch},
     table::key_figures,
@@ -88,8 +88,11 @@ impl Page<'_> {
                 strong { (swatch(&self.names, &row.method)) (self.names.row(row)) }
                 span.figures {
                     span { b { (percent(row.error())) } " error" }
-                    span { b { (times(row.time_ratio)) } " time" }
+                    span { b { (time(&row.time_ratio)) } " time" }
                     span { b { (bytes(memory(row))) } " memory" }
+                }
+                @if choice.as_fast > 0 {
+                    span.split { (counted(choice.as_fast, "other")) " may be as fast" }
                 }
                 span.split { (percent(row.figures.false_lit)) " false lit, " (percent(row.figures.false_shadow)) " false shadow" }
             }
@@ -109,7 +112,7 @@ impl Page<'_> {
     }
 
     fn figure(&self, rows: &[&Row], cost: Cost, plot: Option<Markup>) -> Markup {
-        let steps = ladder(rows, cost.of);
+        let steps = ladder(rows, cost.extent);
         html! {
             figure {
                 figcaption { "Error against " (cost.name) }
@@ -124,7 +127,7 @@ impl Page<'_> {
                         tbody {
                             @for row in steps {
                                 tr {
-                                    td { ((cost.show)((cost.of)(row))) }
+                                    td { ((cost.show)(row)) }
                                     td { (percent(row.error())) }
                                     td.name { a href={ "#row-" (self.index(row)) } { (self.names.row(row)) } }
                                 }

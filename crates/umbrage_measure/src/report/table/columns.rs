@@ -2,7 +2,7 @@
 
 use crate::report::{
     Row, Spread,
-    format::{number, whole},
+    format::{doubt, number, whole},
     pareto::memory,
 };
 
@@ -145,6 +145,20 @@ pub(super) static GROUPS: &[Group] = &[
                 |row| Some(row.error() * 100.0),
                 number,
             ),
+            maybe!(
+                error_of_shadow,
+                100.0,
+                "of shadow",
+                "%",
+                "the error as a share of what is in shadow in truth"
+            ),
+            maybe!(
+                false_lit_of_shadow,
+                100.0,
+                "false lit of shadow",
+                "%",
+                "false lit as a share of what is in shadow in truth"
+            ),
             share!(false_lit, "false lit", "lit, but should be in shadow"),
             share!(false_shadow, "false shadow", "in shadow, but should be lit"),
             column(
@@ -190,7 +204,7 @@ pub(super) static GROUPS: &[Group] = &[
             share!(
                 back_facing,
                 "back-facing",
-                "the back-facing side of a thin caster, which gets no light anyway"
+                "wrong on what is turned away from the light, where nobody sees it: not in the error"
             ),
             share!(
                 peter_panning,
@@ -259,13 +273,13 @@ pub(super) static GROUPS: &[Group] = &[
         shown: true,
         columns: &[
             Column {
-                beside: Some(|row| Some(range(row.time_ratio_spread))),
+                beside: Some(|row| doubt(&row.time_ratio)),
                 ..column(
                     "time_ratio",
                     "time",
                     "× basic",
-                    "casters and shading, relative to basic with one tap in the same run: median, and the range",
-                    |row| Some(row.time_ratio),
+                    "casters and shading, relative to basic with one tap, drawn pair by pair: median, and its interval",
+                    |row| row.time_ratio.is_told().then_some(row.time_ratio.median),
                     number,
                 )
             },
@@ -331,6 +345,30 @@ pub(super) static GROUPS: &[Group] = &[
                 "",
                 "in the method's textures",
                 |row| Some(count(row.texels)),
+                whole,
+            ),
+            column(
+                "texels_written",
+                "texels written",
+                "",
+                "that passes fill in one picture",
+                |row| Some(count(row.texels_written)),
+                whole,
+            ),
+            column(
+                "triangles",
+                "triangles",
+                "",
+                "of casters that passes draw in one picture",
+                |row| Some(count(row.triangles)),
+                whole,
+            ),
+            column(
+                "vertices",
+                "vertices",
+                "",
+                "of these triangles, each once a pass",
+                |row| Some(count(row.vertices)),
                 whole,
             ),
             column(
@@ -416,6 +454,11 @@ pub(super) static GROUPS: &[Group] = &[
                 |row| Some(count(row.figures.compared)),
                 whole,
             ),
+            share!(
+                in_shadow,
+                "in shadow",
+                "in shadow in truth, of what faces the light"
+            ),
             column(
                 "left_out",
                 "left out",
@@ -454,9 +497,9 @@ mod tests {
                 Value::Object(members) => {
                     for (member, value) in members {
                         match (name.as_str(), member.as_str()) {
-                            ("isa", "family") | (_, "min" | "max") => {}
-                            // Of `time_ratio`, which is its median; and of `fetches_per_pixel`, their mean.
-                            ("time_ratio_spread" | "fetch_shares", _) => {}
+                            ("isa", "family") | (_, "min" | "max" | "low" | "high" | "pairs") => {}
+                            // Of `fetches_per_pixel`, their mean.
+                            ("fetch_shares", _) => {}
                             (_, "median") => {
                                 figures.insert(name.clone(), value.as_f64().expect("a number"));
                             }
@@ -467,7 +510,8 @@ mod tests {
                     }
                 }
                 _ => assert!(
-                    ["scene", "method", "config", "path", "pareto"].contains(&name.as_str()),
+                    ["scene", "method", "config", "path", "pareto", "time_pairs"]
+                        .contains(&name.as_str()),
                     "{name} has no column"
                 ),
             }

@@ -10,7 +10,7 @@ use serde_json::Value;
 use umbrage_render::Decision;
 
 use super::{
-    FORMAT, Pictures, Report, ReportError, check_earlier,
+    FORMAT, Pictures, Ratio, Report, ReportError, check_earlier,
     write::{render, write},
 };
 use rows::{fake_report, full_row, pictures_of, row};
@@ -43,7 +43,7 @@ fn attributes(page: &Html, selector: &str, name: &str) -> Vec<String> {
 #[test]
 fn the_json_has_every_row_and_null_for_what_is_no_number() {
     let mut report = fake_report();
-    report.rows[3].time_ratio = f64::NAN;
+    report.rows[3].time_ratio = Ratio::default();
     report.rows[3].figures.rmse = f64::INFINITY;
     let (json, _) = render(&report, &pictures_of(&report)).expect("a report");
     let json: Value = serde_json::from_str(&json).expect("JSON");
@@ -59,7 +59,8 @@ fn the_json_has_every_row_and_null_for_what_is_no_number() {
         let false_lit = json["false_lit"].as_f64().expect("a number");
         assert!((false_lit / row.figures.false_lit - 1.0).abs() < 1e-15);
     }
-    assert_eq!(rows[3]["time_ratio"], Value::Null);
+    assert_eq!(rows[3]["time_ratio"]["median"], Value::Null);
+    assert_eq!(rows[3]["time_ratio"]["high"], Value::Null);
     assert_eq!(rows[3]["rmse"], Value::Null);
     assert_eq!(rows[3]["pareto"], Value::from(rows[3]["pareto"] == true));
     assert!(rows.iter().any(|row| row["pareto"] == true));
@@ -218,7 +219,7 @@ fn the_order_of_the_rows_changes_no_verdict() {
 fn a_row_without_figures_is_shown_as_such() {
     let mut only = row("scene", "basic", "a");
     only.figures.false_lit = f64::NAN;
-    only.time_ratio = f64::NAN;
+    only.time_ratio = Ratio::default();
     let report = Report {
         rows: vec![only],
         ..Report::default()
@@ -254,8 +255,7 @@ fn a_shaded_picture_is_shown_beside_the_others() {
     let pictures = Pictures::new(
         &[Some(1.0); 2],
         &[1.0; 2],
-        &[true; 2],
-        (2, 1),
+        RgbImage::new(2, 1),
         Some(&shaded),
     );
     let (_, html) = render(&report, &[pictures.expect("pictures")]).expect("a report");

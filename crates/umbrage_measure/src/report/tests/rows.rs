@@ -6,7 +6,7 @@ use umbrage_render::LeftOut;
 
 use crate::{
     figures::Figures,
-    report::{Decided, Isa, Pictures, Report, Row, SceneInfo, Skipped, Spread},
+    report::{Decided, Isa, Pictures, Ratio, Report, Row, SceneInfo, Skipped, Spread, difference},
 };
 
 /// A row with an error of 0, and a time.
@@ -16,7 +16,7 @@ pub(in crate::report) fn row(scene: &str, method: &str, config: &str) -> Row {
         method: method.to_owned(),
         config: config.to_owned(),
         path: umbrage_render::Path::Forward,
-        time_ratio: 1.0,
+        time_ratio: Ratio::exactly(1.0),
         memory_bytes: 4096,
         ..Row::default()
     }
@@ -26,7 +26,7 @@ pub(in crate::report) fn row(scene: &str, method: &str, config: &str) -> Row {
 pub(in crate::report) fn measured(config: &str, error: f64, time_ratio: f64, memory: u64) -> Row {
     let mut row = row("scene", "basic", config);
     row.figures.false_lit = error;
-    row.time_ratio = time_ratio;
+    row.time_ratio = Ratio::exactly(time_ratio);
     row.memory_bytes = memory;
     row
 }
@@ -39,6 +39,9 @@ pub(in crate::report) fn full_row() -> Row {
             left_out: 1002,
             false_lit: 0.11,
             false_shadow: 0.12,
+            in_shadow: 0.125,
+            false_lit_of_shadow: Some(0.88),
+            error_of_shadow: Some(1.84),
             acne: 0.13,
             back_facing: 0.145,
             peter_panning: 0.14,
@@ -73,9 +76,17 @@ pub(in crate::report) fn full_row() -> Row {
             median: 6.2,
             max: 6.3,
         },
-        time_ratio: 5.1,
+        time_ratio: Ratio {
+            median: 5.1,
+            low: 5.0,
+            high: 5.15,
+            pairs: 12,
+        },
         memory_bytes: 6001,
         texels: 6002,
+        texels_written: 6005,
+        triangles: 6006,
+        vertices: 6007,
         passes: 6003,
         draws: 6004,
         fetches_per_pixel: 5.2,
@@ -122,7 +133,7 @@ pub(super) fn fake_report() -> Report {
         command: "umbrage compare bunny_sun.ron room_point.ron leaves.ron --out report".to_owned(),
         width: PICTURE.0,
         height: PICTURE.1,
-        rounds: 9,
+        most_pairs: 40,
         isa_source: "navi21".to_owned(),
         scenes: scenes
             .into_iter()
@@ -177,6 +188,9 @@ fn fake_row(
             left_out: 131,
             false_lit: error * 0.6,
             false_shadow: error * 0.4,
+            in_shadow: 0.2,
+            false_lit_of_shadow: Some(error * 3.0),
+            error_of_shadow: Some(error * 5.0),
             acne: error * 0.02,
             back_facing: 0.0,
             peter_panning: error * 0.1,
@@ -198,9 +212,17 @@ fn fake_row(
         },
         casters_ms: time(2.0),
         shading_ms: time(5.0),
-        time_ratio: ratio,
+        time_ratio: Ratio {
+            median: ratio,
+            low: ratio * 0.98,
+            high: ratio * 1.03,
+            pairs: 17,
+        },
         memory_bytes: texels * bytes,
         texels,
+        texels_written: texels,
+        triangles: 18_000,
+        vertices: 9_000,
         passes: 1,
         draws: 12,
         fetches_per_pixel: f64::from(taps) + 0.03,
@@ -244,7 +266,9 @@ pub(super) fn pictures_of(report: &Report) -> Vec<Pictures> {
             rendered.push(shadow((x / step).floor() * step, (y / step).floor() * step));
             compared.push(y > 12.0 && index % 211 != 0);
         }
-        Pictures::new(&truth, &rendered, &compared, PICTURE, None).expect("pictures")
+        let difference = difference(&truth, &rendered, &compared, width, height);
+        let difference = difference.expect("of one size");
+        Pictures::new(&truth, &rendered, difference, None).expect("pictures")
     };
     report.rows.iter().map(picture).collect()
 }
