@@ -194,7 +194,7 @@ impl<'a> Job<'a> {
         };
         let mut depths = split_depths(near, far, self.splits, self.lambda)?;
         // The first split has the air before all surfaces as well.
-        if !self.view.projection.is_orthographic() {
+        if self.bounds.air && !self.view.projection.is_orthographic() {
             depths[0] = depths[0].min(self.beginning(receivers.depths[0]));
         }
         let seen_in = |[near, far]: [f64; 2]| {
