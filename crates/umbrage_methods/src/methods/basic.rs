@@ -235,6 +235,7 @@ impl<'a> Job<'a> {
             view_proj: lens.matrix(&face, all.near, all.far),
             casters: beam.casters,
             receivers: None,
+            held: None,
             bias,
             range: MapRange::new(lens, &all, self.resolution),
         });
@@ -282,6 +283,7 @@ impl<'a> Job<'a> {
             view_proj: clip,
             casters,
             receivers: None,
+            held: None,
             bias,
             range: MapRange::new(lens, seen, self.resolution),
         };

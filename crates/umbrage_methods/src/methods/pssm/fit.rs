@@ -57,6 +57,8 @@ impl Splits {
 pub(super) struct Split {
     /// The view depths at which it begins and ends, metres.
     pub depths: [f64; 2],
+    /// Depths that its map holds: they begin in the band of the split before.
+    pub held: [f64; 2],
     /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
     pub scale: DVec3,
     pub offset: DVec3,
@@ -139,7 +141,7 @@ impl<'a> Job<'a> {
             let casters = seen.take_casters(0.0, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, 0.0);
-            self.split(&lens, slice.depths, &seen, casters, bias)
+            self.split(&lens, &slice, &seen, casters, bias)
         };
         Ok(Splits {
             base: lens.base(),
@@ -171,7 +173,7 @@ impl<'a> Job<'a> {
             let casters = seen.take_casters(floor, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, nearest);
-            self.split(&lens, slice.depths, &seen, casters, bias)
+            self.split(&lens, &slice, &seen, casters, bias)
         };
         Ok(Splits {
             base: lens.base(),
@@ -382,7 +384,7 @@ impl<'a> Job<'a> {
     fn split(
         &self,
         lens: &Lens,
-        depths: [f64; 2],
+        slice: &Slice,
         seen: &Extent,
         casters: Vec<usize>,
         bias: Bias,
@@ -392,7 +394,8 @@ impl<'a> Job<'a> {
         let terms = lens.depth_terms(seen.near, seen.far);
         let rising = if lens.is_perspective() { 1.0 } else { -1.0 };
         Ok(Split {
-            depths,
+            depths: slice.depths,
+            held: slice.held,
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
