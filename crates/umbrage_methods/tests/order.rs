@@ -17,6 +17,7 @@ fn maps(order: DepthOrder) -> Maps {
             view_proj: DMat4::IDENTITY,
             casters: vec![0],
             receivers: None,
+            held: None,
             bias: Bias {
                 depth: DVec2::ZERO,
                 texel: DVec2::X,

@@ -74,6 +74,8 @@ pub struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
+    /// The view depths of all that is looked up in it: beside its `receivers`, those of which other maps are read as well.
+    pub held: Option<[f64; 2]>,
     /// Bias of its receivers.
     pub bias: Bias,
     /// The distances that it holds.

@@ -14,7 +14,7 @@ pub(crate) struct Asked {
     light: Light,
     casters: Vec<Aabb>,
     receivers: Vec<Aabb>,
-    air: bool,
+    air: Option<Aabb>,
     answers: Answers,
     identities: Vec<Identity>,
     choices: Vec<(String, String)>,

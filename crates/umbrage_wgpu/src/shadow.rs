@@ -82,7 +82,7 @@ impl CheckedShadow {
             casters: Casters {
                 casters,
                 receivers,
-                air: false,
+                air: None,
             },
             settings: &self.settings,
             axes: &self.axes,

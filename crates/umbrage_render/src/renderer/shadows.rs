@@ -51,10 +51,10 @@ impl Renderer {
     ) -> Result<Arc<ShadowResources>, RenderError> {
         let receiver = receivers.first().map(|slot| frame.objects.at(*slot));
         let received = receivers.iter().map(|slot| frame.objects.at(*slot).bounds);
-        let received: Vec<_> = received.chain(air.and_then(|air| air.shaded)).collect();
+        let received: Vec<_> = received.collect();
         let view = &shot.view;
         let mut planned = setup.frame(view, &light.source.light, &casters.bounds, &received);
-        planned.casters.air = air.is_some();
+        planned.casters.air = air.and_then(|air| air.shaded);
         planned.camera_depth = Some([frame.options.width, frame.options.height]);
         let constants = lights::constants(&light.source.light, view.position);
         let choices = lights::choices(frame.options, frame.orthographic);
