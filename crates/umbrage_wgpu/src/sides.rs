@@ -13,6 +13,14 @@ pub struct Sides {
     pub closed: bool,
 }
 
+impl Sides {
+    /// Those of a solid that is not mirrored.
+    pub const SOLID: Self = Self {
+        mirrored: false,
+        closed: true,
+    };
+}
+
 /// The face that `pass` leaves out of closed casters, for casters in these boxes, relative to `origin`; none where both may be
 /// seen.
 pub(crate) fn hidden<'a>(

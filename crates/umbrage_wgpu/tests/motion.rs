@@ -33,11 +33,7 @@ const CORNERS: [usize; 36] = [
 
 impl Host for Blocks {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let solid = Sides {
-            mirrored: false,
-            closed: true,
-        };
-        let pipeline = draws.pipeline(&[], &[VERTEX], solid)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[VERTEX], Sides::SOLID)?.pipeline;
         draws.set(&pipeline)?;
         let one = |place: &Mat4| {
             Constants::new()

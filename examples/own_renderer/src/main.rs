@@ -29,11 +29,7 @@ struct Blocks {
 
 impl Host for Blocks {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let solid = Sides {
-            mirrored: false,
-            closed: true,
-        };
-        let pipeline = draws.pipeline(&[], &[VERTEX], solid)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[VERTEX], Sides::SOLID)?.pipeline;
         draws.set(&pipeline)?;
         let instances = vec![self.instance.clone().into()].into();
         let drawn = vec![0_u32.into()].into();
