@@ -8,10 +8,12 @@
     reason = "a benchmark reports on standard output"
 )]
 
+#[path = "frame/flight.rs"]
+mod flight;
 #[path = "frame/view.rs"]
 mod view;
 
-use std::{alloc::System, collections::BTreeMap, error::Error, sync::Arc};
+use std::{alloc::System, collections::BTreeMap, error::Error};
 
 use serde::Serialize;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
@@ -20,9 +22,12 @@ use umbrage_bench::{
     field::{Order, field, look, nudge},
     write_report,
 };
-use umbrage_render::{Gpu, Shadow};
+use umbrage_render::Shadow;
 
-use crate::view::{Shot, View};
+use crate::{
+    flight::Flight,
+    view::{Machine, Shot, View},
+};
 
 /// Counts what a frame takes from the heap.
 #[global_allocator]
@@ -46,13 +51,16 @@ struct Report {
     /// The CPU's part with the list of boxes mixed, over that with the list sorted by mesh and material.
     shuffled_over_ordered: Spread,
     allocations: Allocations,
+    /// Permutations made while frames go on.
+    #[serde(flatten)]
+    flight: Flight,
     /// One map of 2048² in place of four of 1024².
     one_map: Added,
     /// By the number of boxes; four maps of 1024², the camera moving.
     boxes: BTreeMap<usize, Boxes>,
 }
 
-/// Allocations on the heap in one frame, by all threads.
+/// Allocations on the heap in one frame of a loop that reads nothing back.
 #[derive(Serialize)]
 struct Allocations {
     still: Spread,
@@ -71,8 +79,10 @@ struct Added {
 struct Boxes {
     #[serde(flatten)]
     times: Added,
-    /// Milliseconds that the calling thread computes.
+    /// Milliseconds that the calling thread computes, in a loop that reads nothing back.
     own_cpu: Spread,
+    /// The same with the picture read back.
+    own_cpu_read_back: Spread,
     draws: u32,
     caster_draws: u32,
     shuffled_draws: u32,
@@ -85,30 +95,35 @@ struct Boxes {
 struct Times {
     added: f64,
     own_cpu_6400: f64,
+    /// The same in a loop that reads nothing back; not told by states before there was one.
+    steady_cpu_6400: f64,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let gpu = Arc::new(Gpu::new()?);
+    let machine = Machine::new()?;
     if std::env::args().any(|arg| arg == "--times") {
+        let many = moving(&machine, MANY, 7, &four_maps())?;
         let times = Times {
-            added: moving(&gpu, FEW, 15, &four_maps())?.times.added.median,
-            own_cpu_6400: moving(&gpu, MANY, 7, &four_maps())?.own_cpu.median,
+            added: moving(&machine, FEW, 15, &four_maps())?.times.added.median,
+            own_cpu_6400: many.own_cpu_read_back.median,
+            steady_cpu_6400: many.own_cpu.median,
         };
         println!("{}", serde_json::to_string(&times)?);
         return Ok(());
     }
     let mut boxes = BTreeMap::new();
     for (count, rounds) in BOXES {
-        boxes.insert(count, moving(&gpu, count, rounds, &four_maps())?);
+        boxes.insert(count, moving(&machine, count, rounds, &four_maps())?);
     }
-    let (still_over_unshadowed, one_moves_over_all) = changes(&gpu)?;
+    let (still_over_unshadowed, one_moves_over_all) = changes(&machine)?;
     let report = Report {
-        adapter: gpu.adapter().to_owned(),
+        adapter: machine.gpu.adapter().to_owned(),
         still_over_unshadowed,
         one_moves_over_all,
         shuffled_over_ordered: boxes[&MANY].shuffled_over_ordered,
-        allocations: allocations(&gpu)?,
-        one_map: moving(&gpu, FEW, 41, &one_map())?.times,
+        allocations: allocations(&machine)?,
+        flight: flight::measure(&machine)?,
+        one_map: moving(&machine, FEW, 41, &one_map())?.times,
         boxes,
     };
     report.print();
@@ -133,52 +148,53 @@ fn one_map() -> Shadow {
 
 /// Frames while the camera moves: with `shadow`, without, and with a list in which meshes and materials are mixed.
 fn moving(
-    gpu: &Arc<Gpu>,
+    machine: &Machine,
     boxes: usize,
     rounds: usize,
     shadow: &Shadow,
 ) -> Result<Boxes, Box<dyn Error>> {
     let [sorted, mixed] = [Order::Sorted, Order::Shuffled].map(|order| field(boxes, order));
-    let mut with = View::new(gpu, sorted.clone(), shadow.clone())?;
-    let mut without = View::new(gpu, sorted, Shadow::new(Shadow::NONE))?;
-    let mut shuffled = View::new(gpu, mixed, shadow.clone())?;
-    let mut shots = Vec::new();
+    let mut with = View::new(machine, sorted.clone(), shadow.clone())?;
+    let mut without = View::new(machine, sorted, Shadow::new(Shadow::NONE))?;
+    let mut shuffled = View::new(machine, mixed, shadow.clone())?;
+    let (mut read_back, mut steady) = (Vec::new(), Vec::new());
     for frame in 0..rounds {
-        let shoot = |view: &mut View| {
-            look(&mut view.scene, frame);
-            view.shoot(false)
-        };
-        shots.push([
-            shoot(&mut with)?,
-            shoot(&mut without)?,
-            shoot(&mut shuffled)?,
-        ]);
+        for view in [&mut with, &mut without, &mut shuffled] {
+            look(&mut view.scene, 2 * frame);
+        }
+        read_back.push([with.read_back(false)?, without.read_back(false)?]);
+        for view in [&mut with, &mut shuffled] {
+            look(&mut view.scene, 2 * frame + 1);
+        }
+        steady.push([with.steady()?, shuffled.steady()?]);
     }
-    let of = |figure: fn(&[Shot; 3]) -> f64| Spread::of(shots.iter().map(figure));
-    let [last, _, last_shuffled] = shots.last().ok_or("no rounds")?;
+    let of =
+        |shots: &[[Shot; 2]], figure: fn(&[Shot; 2]) -> f64| Spread::of(shots.iter().map(figure));
+    let [last, last_shuffled] = steady.last().ok_or("no rounds")?;
     Ok(Boxes {
         times: Added {
-            frame: of(|[with, ..]| with.frame),
-            added: of(|[with, without, _]| with.frame - without.frame),
+            frame: of(&read_back, |[with, _]| with.frame),
+            added: of(&read_back, |[with, without]| with.frame - without.frame),
         },
-        own_cpu: of(|[with, ..]| with.own_cpu),
+        own_cpu_read_back: of(&read_back, |[with, _]| with.own_cpu),
+        own_cpu: of(&steady, |[with, _]| with.own_cpu),
         draws: last.report.draws,
         caster_draws: last.report.caster_draws,
         shuffled_draws: last_shuffled.report.draws,
-        shuffled_over_ordered: of(|[with, _, shuffled]| shuffled.own_cpu / with.own_cpu),
+        shuffled_over_ordered: of(&steady, |[with, shuffled]| shuffled.own_cpu / with.own_cpu),
     })
 }
 
 /// Frames of a camera that stands, each beside one whose maps are all drawn: in which nothing moved, and one box.
-fn changes(gpu: &Arc<Gpu>) -> Result<(Option<Spread>, Spread), Box<dyn Error>> {
-    let mut view = View::new(gpu, field(FEW, Order::Sorted), four_maps())?;
-    view.options.timed = gpu.has_timestamps();
+fn changes(machine: &Machine) -> Result<(Option<Spread>, Spread), Box<dyn Error>> {
+    let mut view = View::new(machine, field(FEW, Order::Sorted), four_maps())?;
+    view.options.timed = machine.gpu.has_timestamps();
     let (mut still_over_shaded, mut one_over_all) = (Vec::new(), Vec::new());
     for round in 0..BOXES[0].1 {
         nudge(&mut view.scene, round * 7 % FEW);
-        let one = view.shoot(false)?;
-        let all = view.shoot(true)?;
-        let still = view.shoot(false)?;
+        let one = view.read_back(false)?;
+        let all = view.read_back(true)?;
+        let still = view.read_back(false)?;
         if still.report.caster_passes > 0 {
             return Err("a frame in which nothing moved drew a map".into());
         }
@@ -192,13 +208,13 @@ fn changes(gpu: &Arc<Gpu>) -> Result<(Option<Spread>, Spread), Box<dyn Error>> {
     Ok((still, Spread::of(one_over_all)))
 }
 
-fn allocations(gpu: &Arc<Gpu>) -> Result<Allocations, Box<dyn Error>> {
-    let mut view = View::new(gpu, field(FEW, Order::Sorted), four_maps())?;
+fn allocations(machine: &Machine) -> Result<Allocations, Box<dyn Error>> {
+    let mut view = View::new(machine, field(FEW, Order::Sorted), four_maps())?;
     let (mut still, mut camera_moves) = (Vec::new(), Vec::new());
     for frame in 0..9 {
         look(&mut view.scene, frame);
-        camera_moves.push(view.shoot(false)?.allocations);
-        still.push(view.shoot(false)?.allocations);
+        camera_moves.push(view.steady()?.allocations);
+        still.push(view.steady()?.allocations);
     }
     Ok(Allocations {
         still: Spread::of(still),
@@ -226,12 +242,30 @@ impl Report {
         } = &self.allocations;
         println!("allocations, nothing moved          {still}  (goal 100)");
         println!("allocations, the camera moved       {camera_moves}  (goal 100)");
+        let flight = &self.flight;
+        println!(
+            "54 new permutations in flight, {} frames, worst over median: {:.3}  (goal 1.1); own CPU {:.3}; {:.3} where \
+             frames wait",
+            flight.frames,
+            flight.worst_over_median,
+            flight.own_cpu_worst_over_median,
+            flight.stalled_worst_over_median
+        );
+        println!("    ms, frame                       {}", flight.in_flight);
+        println!(
+            "    first use over the next         {}",
+            flight.first_use_over_next
+        );
         for (count, boxes) in &self.boxes {
             let Added { frame, added } = boxes.times;
             println!("{count} boxes, camera moving, four maps of 1024²:");
             println!("    ms, frame                       {frame}");
             println!("    ms, added by shadows            {added}");
-            println!("    ms, own CPU                     {}", boxes.own_cpu);
+            println!("    ms, own CPU, steady loop        {}", boxes.own_cpu);
+            println!(
+                "    ms, own CPU, read back          {}",
+                boxes.own_cpu_read_back
+            );
             println!(
                 "    draws {}, of casters {}; list mixed {}",
                 boxes.draws, boxes.caster_draws, boxes.shuffled_draws

@@ -54,7 +54,7 @@ mod scene;
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
-pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
+pub use renderer::{MOST_SHAFT_STEPS, Meanwhile, Path, RenderOptions, Renderer, StandIn, What};
 pub use scene::{
     Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
     Staging, Texture, Wrap,

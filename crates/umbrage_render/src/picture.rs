@@ -129,6 +129,10 @@ pub struct Report {
     pub repaired_passes: u32,
     /// Draw calls that are in caster passes.
     pub caster_draws: u32,
+    /// Draw calls whose pipelines are not made yet, where the picture does [not wait](crate::RenderOptions::meanwhile).
+    pub waiting: u32,
+    /// How far shadow terms may be off for the sake of what [stands in](crate::StandIn), as it says; 0 where nothing does.
+    pub stand_in_error: f64,
     /// Texels in the textures of shadow methods.
     pub texels: u64,
     /// Bytes of these textures, by their formats; what a driver adds is not known.

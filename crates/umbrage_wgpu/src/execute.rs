@@ -12,11 +12,14 @@ use umbrage_shadow::{
 };
 
 use crate::{
-    Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, Unfiltered,
+    Backlog, Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity,
+    Pipeline, Program, Question, Readiness, ShadowResources, Times, Unfiltered, Wanted,
+    ahead::Ahead,
     area::{Area, Empty, Shadower},
     asked::{Asked, Outcome},
     check,
+    kept::Kept,
+    program::PipelineId,
     record::{self, Memory, Place, Ready, Record, Shader, Work},
     resources::{self, unfiltered},
     sides,
@@ -27,6 +30,7 @@ use crate::{
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
 pub struct Executor {
     pub(crate) shared: Shared,
+    ahead: Ahead,
     pub(crate) lights: BTreeMap<u64, Memory>,
 }
 
@@ -83,9 +87,6 @@ pub enum Run {
     Recorded,
 }
 
-/// Vertex buffers, as a pipeline has them.
-type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
-
 /// The keys of a permutation.
 type Keys = Vec<ProjectedKey>;
 
@@ -97,13 +98,28 @@ pub(crate) struct Shared {
     pub(crate) binder: Binder,
     /// Whether textures are made so that they can be copied.
     pub(crate) copies: bool,
-    pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
-    computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
+    pipelines: Kept<PipelineId, Arc<Pipeline>>,
+    computations: Kept<(Keys, Unfiltered), Arc<Computation>>,
     /// What makes a part of targets empty.
     emptied: HashMap<Empty, wgpu::RenderPipeline>,
 }
 
 impl Shared {
+    fn begin_frame(&mut self) {
+        self.binder.begin_frame();
+        self.pipelines.begin_frame();
+        self.computations.begin_frame();
+    }
+
+    /// Keeps what workers made, unless it was made here meanwhile.
+    fn take_in(&mut self, made: Vec<(PipelineId, Arc<Pipeline>)>) {
+        for (id, pipeline) in made {
+            if self.pipelines.get(&id).is_none() {
+                self.pipelines.insert(id, pipeline);
+            }
+        }
+    }
+
     pub(crate) fn compose<'a>(
         &self,
         choices: impl Iterator<Item = (&'a str, &'a str)>,
@@ -120,17 +136,11 @@ impl Shared {
         state: DrawState,
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Arc<Pipeline>, Error> {
-        let owned = vertices.iter();
-        let owned = owned.map(|v| (v.array_stride, v.step_mode, v.attributes.to_vec()));
-        let id = (
-            permutation.keys().cloned().collect(),
-            state,
-            owned.collect(),
-        );
+        let id = PipelineId::new(permutation, state, vertices);
         if let Some(known) = self.pipelines.get(&id) {
             return Ok(Arc::clone(known));
         }
-        let made = Pipeline::new(&self.device, Arc::clone(permutation), &id.1, vertices)?;
+        let made = Pipeline::new(&self.device, Arc::clone(permutation), &id.state, vertices)?;
         let made = Arc::new(made);
         self.pipelines.insert(id, Arc::clone(&made));
         Ok(made)
@@ -158,18 +168,22 @@ impl Shared {
     }
 }
 
+/// Most pipelines of a kind that are kept, where a frame does not use more.
+const MOST_PIPELINES: usize = 4_096;
+
 impl Executor {
     /// An executor for `device`, whose passes' permutations come from `composer`.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, composer: Arc<Composer>) -> Self {
         Self {
+            ahead: Ahead::new(device, &composer, MOST_PIPELINES),
             shared: Shared {
                 device: device.clone(),
                 queue: queue.clone(),
                 composer,
                 binder: Binder::new(device, queue),
                 copies: false,
-                pipelines: HashMap::new(),
-                computations: HashMap::new(),
+                pipelines: Kept::new(MOST_PIPELINES),
+                computations: Kept::new(MOST_PIPELINES),
                 emptied: HashMap::new(),
             },
             lights: BTreeMap::new(),
@@ -276,9 +290,42 @@ impl Executor {
     }
 
     /// Begins a frame, when all that was recorded before is submitted: buffers that the frame before did not need take the
-    /// next values. To be called once a frame.
+    /// next values, what workers made is there from now on, and of too many pipelines those go that were not used the
+    /// longest. To be called once a frame.
     pub fn begin_frame(&mut self) {
-        self.shared.binder.begin_frame();
+        self.shared.begin_frame();
+        let made = self.ahead.begin_frame();
+        self.shared.take_in(made);
+    }
+
+    /// Whether the pipeline that is `wanted` is made; if not, workers make it, and frames go on without. Of all that
+    /// waits, comes first what a later frame asked for, and then that of which more is `seen`: pixels, say, or objects. A
+    /// frame asks again for what it still wants. Asked for long before it is needed, nothing need wait for it.
+    ///
+    /// What is ready is had by [`pipeline`](Self::pipeline), from the permutation that the composer has by now, at the cost of
+    /// two look-ups.
+    ///
+    /// # Errors
+    /// Faults of the shaders, and what the device refuses: once for each that is wanted, then it has
+    /// [failed](Readiness::Failed).
+    pub fn prepare(&mut self, wanted: &Wanted, seen: u32) -> Result<Readiness, Error> {
+        let kept = &mut self.shared.pipelines;
+        let is_kept = |id: &PipelineId| kept.get(id).is_some();
+        self.ahead.prepare(wanted, seen, is_kept)
+    }
+
+    /// Waits until workers have made all that they were asked for: behind a loading screen, say.
+    pub fn settle(&mut self) {
+        let made = self.ahead.settle();
+        self.shared.take_in(made);
+    }
+
+    /// How much waits for workers, and what there was no room for.
+    pub fn backlog(&self) -> Backlog {
+        Backlog {
+            let_go: self.shared.pipelines.let_go() + self.shared.computations.let_go(),
+            ..self.ahead.backlog()
+        }
     }
 
     /// What binds the resources of shaders, the engine's own among them.
@@ -292,6 +339,7 @@ impl Executor {
         self.shared.binder.clear();
         self.shared.pipelines.clear();
         self.shared.computations.clear();
+        self.ahead.clear();
         self.shared.emptied.clear();
     }
 

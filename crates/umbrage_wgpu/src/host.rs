@@ -5,9 +5,7 @@ use std::{collections::HashMap, error::Error as StdError, sync::Arc};
 use umbrage_compose::{BindingKind, Composed};
 use umbrage_shadow::{Constants, Pass};
 
-use crate::{
-    Binder, DrawState, Error, Pipeline, Sides, execute::Shared, reads_facing, vertices_read,
-};
+use crate::{Binder, DrawState, Error, Pipeline, Sides, execute::Shared, vertices_read};
 
 /// Which caster it is, and in what state: a map is drawn again where either is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -97,11 +95,8 @@ impl<'e> Draws<'_, 'e> {
             .shared
             .compose(axes.chain(self.choices.iter().copied()))?;
         let mut state = self.state.clone();
-        // Where it makes no difference which side is the front, one pipeline serves both.
         state.cull = state.cull.or(self.hidden.filter(|_| sides.closed));
-        if sides.mirrored && (state.cull.is_some() || reads_facing(&composed.permutation)) {
-            state.front = wgpu::FrontFace::Cw;
-        }
+        let state = state.facing(sides.mirrored, &composed.permutation);
         let (places, layouts) = vertices_read(&composed.permutation, vertices);
         let pipeline = (self.shared).pipeline(&composed.permutation, state, &layouts)?;
         Ok(Prepared {

@@ -48,11 +48,20 @@
 //! several lights ([`Composer::compose_all`](umbrage_compose::Composer::compose_all)), and binds the lights' resources by
 //! name with its [`Binder`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
 //!
+//! # Frames that do not wait for shaders
+//! A pipeline is made on first need, which holds up the frame. Where that must not be, an engine says what is
+//! [wanted](Wanted) and asks [`Executor::prepare`] whether it is [ready](Readiness); while it is not, workers compose and
+//! compile it, and the engine draws what it has chosen instead: nothing, or another permutation that reads the same maps, such
+//! as one with a narrower filter. [`Executor::begin_frame`] takes in what was made, so that all passes of a frame agree on what
+//! is ready. What waits, and what is kept, is bounded: [`Executor::backlog`] tells what there was no room for. Passes of plans
+//! are waited for.
+//!
 //! # Encoders that are not submitted
 //! A recorded pass counts as drawn. Where an encoder is dropped, [forget](Executor::forget) the light. Of a device that is
 //! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
 //! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
+mod ahead;
 mod area;
 mod asked;
 mod audit;
@@ -62,6 +71,7 @@ pub mod device;
 mod error;
 mod execute;
 mod host;
+mod kept;
 mod pack;
 mod program;
 mod question;
@@ -71,7 +81,9 @@ mod shadow;
 mod sides;
 mod targets;
 mod touches;
+mod workers;
 
+pub use ahead::{Backlog, Readiness, Wanted};
 pub use audit::Audit;
 pub use bind::{Binder, Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
@@ -79,8 +91,8 @@ pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
-    ColorState, Computation, DrawState, MAX, Pipeline, Program, STORED, Unfiltered, blend_state,
-    reads_facing, vertices_read,
+    ColorState, Computation, DrawState, MAX, Pipeline, Program, STORED, Unfiltered, Vertices,
+    blend_state, reads_facing, vertices_read,
 };
 pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};

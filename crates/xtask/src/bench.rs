@@ -134,13 +134,24 @@ fn built(folder: &Path, name: &str) -> Result<PathBuf> {
 struct Times {
     added: f64,
     own_cpu_6400: f64,
+    /// In a loop that reads nothing back; none of states in which every frame is read back.
+    steady_cpu_6400: Option<f64>,
 }
 
 /// Ratios of two states, turn by turn, in ascending order.
 #[derive(Serialize)]
 struct OverBefore {
     added_over_before: Vec<f64>,
+    /// Both with the picture read back.
     cpu_6400_over_before: Vec<f64>,
+    /// Both in their steady loop, which may be one that reads back.
+    steady_cpu_6400_over_before: Vec<f64>,
+}
+
+impl Times {
+    fn steady(&self) -> f64 {
+        self.steady_cpu_6400.unwrap_or(self.own_cpu_6400)
+    }
 }
 
 /// Runs this state's benchmark `frame` and another one's in turn.
@@ -175,10 +186,15 @@ fn in_turn(binaries: Option<&Path>, before: &Path) -> Result<()> {
     let found = OverBefore {
         added_over_before: ratios(|times| times.added),
         cpu_6400_over_before: ratios(|times| times.own_cpu_6400),
+        steady_cpu_6400_over_before: ratios(Times::steady),
     };
     for (name, ratios) in [
         ("added_over_before", &found.added_over_before),
         ("cpu_6400_over_before", &found.cpu_6400_over_before),
+        (
+            "steady_cpu_6400_over_before",
+            &found.steady_cpu_6400_over_before,
+        ),
     ] {
         let [min, median, max] = [0, TURNS / 2, TURNS - 1].map(|at| ratios[at]);
         eprintln!("{name}: {median:.3} ({min:.3} to {max:.3})");

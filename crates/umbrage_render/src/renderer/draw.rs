@@ -1,15 +1,16 @@
 //! Turns a list of objects into draw commands: composes what they need, binds what it reads.
 
-use std::{ops::Range, sync::Arc};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-use umbrage_compose::Permutation;
-use umbrage_wgpu::{DrawState, Pipeline, reads_facing, vertices_read};
+use umbrage_compose::{Key, Permutation};
+use umbrage_wgpu::{DrawState, Pipeline, vertices_read};
 
 use super::{
     Renderer,
     assets::{GpuMesh, layouts},
     frame::{FrameState, LightInputs, PassInputs},
     lights,
+    meanwhile::{StandIn, Way},
 };
 use crate::{RenderError, scene::Object};
 
@@ -54,8 +55,14 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         slots: &[usize],
     ) -> Result<Vec<Command>, RenderError> {
+        let draws = frame.objects.draws(&self.gpu, slots)?;
+        let instead = match self.way(frame, inputs, &draws)? {
+            Way::Wanted => None,
+            Way::StandIn(stand_in) => Some(stand_in),
+            Way::Skip => return Ok(Vec::new()),
+        };
         let mut commands = Vec::new();
-        for draw in frame.objects.draws(&self.gpu, slots)? {
+        for draw in draws {
             let (object, mirrored) = (
                 frame.objects.at(draw.first),
                 frame.objects.is_mirrored(&draw),
@@ -63,7 +70,8 @@ impl Renderer {
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, &object.name, Some(object))?;
+            let keys = self.keys(frame, inputs, Some(object), instead)?;
+            let permutation = self.compose(frame, inputs, &object.name, keys)?;
             let (_, vertices) = vertices_read(&permutation, &layouts(object));
             let locations = vertices.iter().map(|v| v.attributes[0].shader_location);
             let attributes = locations.collect();
@@ -90,7 +98,8 @@ impl Renderer {
         cause: &str,
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
-        let permutation = self.compose(frame, inputs, cause, None)?;
+        let keys = self.keys(frame, inputs, None, None)?;
+        let permutation = self.compose(frame, inputs, cause, keys)?;
         let pipeline = self.pipeline(&permutation, &inputs.state, false, &[])?;
         let groups = self.bind(frame, inputs, &pipeline.program, None)?;
         frame.report.draws += 1;
@@ -103,28 +112,40 @@ impl Renderer {
         })
     }
 
-    /// The permutation that this pass needs for `cause` (the name that faults give), for an object where one is drawn;
-    /// composed on first need.
-    pub(super) fn compose(
+    /// Keys of the permutation that this pass needs, for an object where one is drawn; or of what stands in for it.
+    pub(super) fn keys(
         &self,
-        frame: &mut FrameState<'_>,
+        frame: &FrameState<'_>,
         inputs: &PassInputs<'_>,
-        cause: &str,
         object: Option<&Object>,
-    ) -> Result<Arc<Permutation>, RenderError> {
+        instead: Option<&StandIn>,
+    ) -> Result<Vec<Key>, RenderError> {
         let library = self.composer.library();
         let view = (frame.options, frame.orthographic);
         let key = |light: Option<&LightInputs<'_>>| {
             let light = light.map(|light| (light.setup, light.term));
-            lights::key(library, view, inputs.pass, light, object)
+            let key = lights::key(library, view, inputs.pass, light, object)?;
+            let Some(StandIn { axes, .. }) = instead else {
+                return Ok(key);
+            };
+            let mut choices: BTreeMap<_, _> = key.choices().collect();
+            choices.extend(axes.iter().map(|(axis, value)| (&**axis, &**value)));
+            Ok(library.key(choices)?)
         };
-        let keys = match inputs.lights.as_slice() {
-            [] => vec![key(None)?],
-            lights => lights
-                .iter()
-                .map(|light| key(Some(light)))
-                .collect::<Result<_, _>>()?,
-        };
+        match inputs.lights.as_slice() {
+            [] => Ok(vec![key(None)?]),
+            lights => lights.iter().map(|light| key(Some(light))).collect(),
+        }
+    }
+
+    /// The permutation of `keys`, that this pass needs for `cause` (the name that faults give); composed on first need.
+    fn compose(
+        &self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        cause: &str,
+        keys: Vec<Key>,
+    ) -> Result<Arc<Permutation>, RenderError> {
         if let Some(known) = frame.composed.get(&keys) {
             return Ok(Arc::clone(known));
         }
@@ -143,11 +164,7 @@ impl Renderer {
         mirrored: bool,
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Arc<Pipeline>, RenderError> {
-        let mut state = state.clone();
-        // Where it makes no difference which side is the front, one pipeline serves both.
-        if mirrored && (state.cull.is_some() || reads_facing(permutation)) {
-            state.front = wgpu::FrontFace::Cw;
-        }
+        let state = state.clone().facing(mirrored, permutation);
         Ok(self.executor.pipeline(permutation, state, vertices)?)
     }
 }

@@ -9,6 +9,7 @@ mod frame;
 mod lights;
 mod lists;
 mod masks;
+mod meanwhile;
 mod objects;
 mod passes;
 mod regions;
@@ -24,6 +25,7 @@ use umbrage_compose::Composer;
 use umbrage_shadow::{Aabb, PlanError, Registry, View};
 use umbrage_wgpu::{Executor, Shadow};
 
+pub use self::meanwhile::{Meanwhile, StandIn};
 use self::{
     assets::Assets,
     frame::FrameState,
@@ -77,6 +79,8 @@ pub struct RenderOptions {
     /// Whether shadow maps are drawn though they stand already, as if all casters had moved: what a measurement of the whole
     /// cost wants.
     pub fresh: bool,
+    /// What lights' passes draw while pipelines are made that a picture needs for the first time.
+    pub meanwhile: Meanwhile,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
@@ -181,6 +185,7 @@ impl Default for RenderOptions {
             path: Path::Forward,
             shaft_steps: 64,
             fresh: false,
+            meanwhile: Meanwhile::Stall,
             timed: false,
         }
     }
