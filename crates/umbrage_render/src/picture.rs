@@ -129,6 +129,10 @@ pub struct Report {
     pub repaired_passes: u32,
     /// Draw calls that are in caster passes.
     pub caster_draws: u32,
+    /// Triangles that they draw.
+    pub caster_triangles: u64,
+    /// Vertices of what they draw, each once for each pass that draws it.
+    pub caster_vertices: u64,
     /// Draw calls whose pipelines are not made yet, where the picture does [not wait](crate::RenderOptions::meanwhile).
     pub waiting: u32,
     /// How far shadow terms may be off for the sake of what [stands in](crate::StandIn), as it says; 0 where nothing does.

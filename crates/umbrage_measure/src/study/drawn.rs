@@ -1,6 +1,6 @@
-//! Work in shadow maps that no load of the machine changes, counted from plans.
+//! Work in shadow maps that no load of the machine changes.
 
-use umbrage_render::Scene;
+use umbrage_render::Report;
 use umbrage_shadow::{Pass, ShadowPlan};
 
 /// What the passes of a picture's plans do, all lights together.
@@ -15,22 +15,15 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    /// Of the plans of `scene`'s lights.
-    pub(super) fn of(scene: &Scene, plans: &[Option<ShadowPlan>]) -> Self {
-        let objects = scene.objects.iter();
-        let casters: Vec<_> = objects.filter(|object| object.material.casts).collect();
-        let mut drawn = Self::default();
-        for plan in plans.iter().flatten() {
-            for pass in &plan.passes {
-                drawn.texels += texels(plan, pass);
-                let Pass::Casters(pass) = pass else { continue };
-                for caster in pass.casters.iter().filter_map(|index| casters.get(*index)) {
-                    drawn.triangles += caster.mesh.indices.len() as u64 / 3;
-                    drawn.vertices += caster.mesh.positions.len() as u64;
-                }
-            }
+    /// Of a picture whose maps were all drawn.
+    pub(super) fn of(report: &Report) -> Self {
+        let plans = report.plans.iter().flatten();
+        let passes = plans.flat_map(|plan| plan.passes.iter().map(|pass| texels(plan, pass)));
+        Self {
+            texels: passes.sum(),
+            triangles: report.caster_triangles,
+            vertices: report.caster_vertices,
         }
-        drawn
     }
 }
 

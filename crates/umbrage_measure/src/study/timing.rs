@@ -132,7 +132,7 @@ mod tests {
     fn measured(pairs: &[[f64; 2]]) -> Ratio {
         let narrow = (1..=pairs.len()).map(|taken| ratio(&pairs[..taken]));
         let found = narrow.clone().find(Ratio::is_narrow);
-        found.or(narrow.last()).expect("pairs")
+        found.or(narrow.next_back()).expect("pairs")
     }
 
     #[test]

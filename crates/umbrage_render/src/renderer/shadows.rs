@@ -240,6 +240,10 @@ impl Stage<'_, '_> {
         }
         mesh.draw(draws.pass(), draw.instances.clone());
         self.draws += 1;
+        let count = draw.instances.len() as u64;
+        let report = &mut self.frame.report;
+        report.caster_triangles += count * (object.mesh.indices.len() / 3) as u64;
+        report.caster_vertices += count * object.mesh.positions.len() as u64;
         Ok(())
     }
 
