@@ -125,7 +125,6 @@ impl<'a> Oracle<'a> {
                     .iter()
                     .copied()
                     .filter(|bounds| frustum.intersects(bounds) && light.light.reaches(bounds))
-                    .chain(air::shaded(scene, &view, &light.light))
                     .collect();
                 let plan = choice
                     .method
@@ -135,12 +134,12 @@ impl<'a> Oracle<'a> {
                         casters: Casters {
                             casters: &bounds,
                             receivers: &receivers,
-                            air: air::shaded(scene, &view, &light.light).is_some(),
+                            air: air::shaded(scene, &view, &light.light),
                         },
                         settings: &settings,
                         axes: &axes,
-                        depth: choice.depth,
-                        filter: choice.filter,
+                        depth: choice.depth.as_deref(),
+                        filter: choice.filter.as_deref(),
                         camera_depth: None,
                         answers: Answers::none(),
                     })

@@ -117,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let map: HashMap<Key, _> = [(wanted.clone(), whole.permutation.clone())].into();
         hashmap.push(per_look_up(|| map.get(black_box(&wanted)).cloned()));
     }
-    let spread = |times: &[Duration]| Spread::of(times);
+    let spread = |times: &[Duration]| Spread::micros(times);
     let report = Report {
         new_over_floor: spread(&new).median / spread(&floor).median,
         cached_over_hashmap: spread(&cached).median / spread(&hashmap).median,
@@ -140,7 +140,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         wesl_us: spread(&from_wesl),
     };
     println!(
-        "a permutation of {} bytes of WGSL, {ROUNDS} rounds, median (least to most)",
+        "a permutation of {} bytes of WGSL, {ROUNDS} rounds, microseconds: median (least to most)",
         text.len()
     );
     println!("floor: naga parses and validates it  {}", report.floor_us);
@@ -192,7 +192,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         peak_mib.unwrap_or(f64::NAN)
     );
     for (keys, time) in &report.space.keys_us {
-        println!("{keys:.1e} keys, 256 permutations  {time}");
+        println!("{keys:.1e} keys, 256 permutations  {time} µs");
     }
     println!(
         "(f) space over floor     {:.4}  (goal 0.02)",

@@ -1,6 +1,8 @@
 //! Ratios taken in one run: what is compared is timed in turns, so that a machine's moods fall on
 //! all alike.
 
+pub mod field;
+
 use std::{
     fs, io,
     path::PathBuf,
@@ -9,7 +11,7 @@ use std::{
 
 use serde::Serialize;
 
-/// A spread of times, in microseconds.
+/// A spread of measured numbers.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Spread {
     /// The least.
@@ -21,26 +23,29 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The spread of `times`; zeros where there are none.
-    pub fn of(times: &[Duration]) -> Self {
-        let mut micros: Vec<_> = times.iter().map(|time| time.as_secs_f64() * 1e6).collect();
-        micros.sort_by(f64::total_cmp);
-        let at = |index: usize| micros.get(index).copied().unwrap_or(0.0);
+    /// The spread of `numbers`; zeros where there are none.
+    pub fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
+        let mut numbers: Vec<_> = numbers.into_iter().collect();
+        numbers.sort_by(f64::total_cmp);
+        let at = |index: usize| numbers.get(index).copied().unwrap_or(0.0);
         Self {
             min: at(0),
-            median: at(micros.len() / 2),
-            max: at(micros.len().saturating_sub(1)),
+            median: at(numbers.len() / 2),
+            max: at(numbers.len().saturating_sub(1)),
         }
+    }
+
+    /// The spread of `times`, in microseconds.
+    pub fn micros(times: &[Duration]) -> Self {
+        Self::of(times.iter().map(|time| time.as_secs_f64() * 1e6))
     }
 }
 
+/// The median, and the least and the greatest beside it.
 impl std::fmt::Display for Spread {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{:9.2} µs ({:.2} to {:.2})",
-            self.median, self.min, self.max
-        )
+        let Self { min, median, max } = self;
+        write!(f, "{median:9.3} ({min:.3} to {max:.3})")
     }
 }
 
@@ -53,12 +58,17 @@ pub fn time<T>(work: impl FnOnce() -> T) -> Duration {
     time
 }
 
-/// Writes `report` as `target/umbrage/NAME.json` of this workspace.
+/// The folder for reports, where it is not `target/umbrage` of the workspace that this was built in: `cargo xtask bench`
+/// sets it, since it also runs benchmarks that were built elsewhere.
+const REPORTS: &str = "UMBRAGE_BENCH_REPORTS";
+
+/// Writes `report` as `NAME.json`, into `target/umbrage` of this workspace or the folder that `UMBRAGE_BENCH_REPORTS` names.
 ///
 /// # Errors
 /// Where the file cannot be written.
 pub fn write_report(name: &str, report: &impl Serialize) -> io::Result<PathBuf> {
-    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/umbrage");
+    let own = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/umbrage");
+    let dir = std::env::var_os(REPORTS).map_or_else(own, PathBuf::from);
     fs::create_dir_all(&dir)?;
     let path = dir.canonicalize()?.join(format!("{name}.json"));
     fs::write(&path, serde_json::to_string_pretty(report)? + "\n")?;

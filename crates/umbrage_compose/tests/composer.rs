@@ -317,7 +317,7 @@ fn bindings_belong_to_their_owners() {
             "umbrage::common::material" => 2,
             _ => match binding.name.as_str() {
                 "frame" => 0,
-                "instances" => 3,
+                "instances" | "drawn" => 3,
                 other => panic!("whose is {other}?"),
             },
         };

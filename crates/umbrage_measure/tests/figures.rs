@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use umbrage_measure::{
     figures::{Figures, Frame, Sample, Terms, figures, shimmer},
@@ -56,7 +56,7 @@ impl Measured {
             truth: truth.expect("a light"),
             gaps: tracer.gaps(&sight, 0, &|| ()).expect("a light"),
             rendered: terms.swap_remove(0),
-            plan: plans.swap_remove(0),
+            plan: plans.swap_remove(0).map(Arc::unwrap_or_clone),
             sight,
             scene,
         }

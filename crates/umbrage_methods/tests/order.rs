@@ -17,6 +17,7 @@ fn maps(order: DepthOrder) -> Maps {
             view_proj: DMat4::IDENTITY,
             casters: vec![0],
             receivers: None,
+            held: None,
             bias: Bias {
                 depth: DVec2::ZERO,
                 texel: DVec2::X,
@@ -61,8 +62,8 @@ fn plan(order: DepthOrder, depth: &str, filter: &str) -> Result<ShadowPlan, Plan
         casters: Casters::default(),
         settings: &settings,
         axes: &axes,
-        depth: choice.depth,
-        filter: choice.filter,
+        depth: choice.depth.as_deref(),
+        filter: choice.filter.as_deref(),
         camera_depth: None,
         answers: Answers::none(),
     };

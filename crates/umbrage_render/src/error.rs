@@ -6,7 +6,7 @@ use umbrage_compose::Cause;
 use umbrage_shadow::PlanError;
 use umbrage_wgpu::ShadowError;
 
-use crate::{GpuError, renderer::MOST_SHAFT_STEPS};
+use crate::{GpuError, What, renderer::MOST_SHAFT_STEPS};
 
 /// Why a scene could not be rendered: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -23,6 +23,22 @@ pub enum RenderError {
         height: u32,
         /// The longest side.
         limit: u32,
+    },
+    /// A texture to draw into that the picture does not fit, or a picture that is not shaded.
+    #[error(
+        "the texture to draw into has {} by {} pixels of {samples} samples, for {what:?} of {} by {} pixels; \
+         give one of that size and of one sample, for `What::Shaded`",
+        found[0], found[1], expected[0], expected[1]
+    )]
+    Target {
+        /// The picture that was asked for.
+        what: What,
+        /// Its size.
+        expected: [u32; 2],
+        /// The texture's size.
+        found: [u32; 2],
+        /// The texture's samples.
+        samples: u32,
     },
     /// No steps along a ray, or too many.
     #[error(

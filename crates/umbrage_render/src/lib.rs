@@ -19,8 +19,9 @@
 //! Positions on the device are relative to the camera, whose own position stays in f64. The camera's
 //! depth is reversed: 1 near, 0 far. Both sides of a triangle are seen and lit.
 //!
-//! Its cost is in the [`Report`]. Pipelines, meshes, textures and shadow maps are kept from one
-//! picture to the next, and let go with their scene; what depends on the camera is made anew.
+//! Its cost is in the [`Report`]. Pipelines, meshes, textures, shadow maps and bind groups are kept from one
+//! picture to the next, and let go with their scene. An engine's loop [draws](Renderer::draw) into its own texture, and waits
+//! for nothing.
 //!
 //! [what]: What
 //!
@@ -53,7 +54,7 @@ mod scene;
 pub use error::RenderError;
 pub use gpu::{Gpu, GpuError};
 pub use picture::{Decision, PassTime, PermutationUse, Picture, Rendered, Report};
-pub use renderer::{MOST_SHAFT_STEPS, Path, RenderOptions, Renderer, What};
+pub use renderer::{MOST_SHAFT_STEPS, Meanwhile, Path, RenderOptions, Renderer, StandIn, What};
 pub use scene::{
     Camera, Image, LeftOut, Level, Material, Medium, Mesh, Object, Scene, SceneError, SceneLight,
     Staging, Texture, Wrap,

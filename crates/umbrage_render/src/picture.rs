@@ -1,6 +1,6 @@
 //! Results of a rendering.
 
-use std::{io::Cursor, path::Path};
+use std::{io::Cursor, path::Path, sync::Arc};
 
 use umbrage_compose::{Key, Permutation, ProjectedKey, Purpose, Source};
 use umbrage_shadow::ShadowPlan;
@@ -125,8 +125,18 @@ pub struct Report {
     pub derived_passes: u32,
     /// How many passes of plans were not run, as what they would fill stands there from a picture before.
     pub kept_passes: u32,
+    /// Passes that draw casters into those parts of shadow maps that moved casters changed.
+    pub repaired_passes: u32,
     /// Draw calls that are in caster passes.
     pub caster_draws: u32,
+    /// Triangles that they draw.
+    pub caster_triangles: u64,
+    /// Vertices of what they draw, each once for each pass that draws it.
+    pub caster_vertices: u64,
+    /// Draw calls whose pipelines are not made yet, where the picture does [not wait](crate::RenderOptions::meanwhile).
+    pub waiting: u32,
+    /// How far shadow terms may be off for the sake of what [stands in](crate::StandIn), as it says; 0 where nothing does.
+    pub stand_in_error: f64,
     /// Texels in the textures of shadow methods.
     pub texels: u64,
     /// Bytes of these textures, by their formats; what a driver adds is not known.
@@ -141,7 +151,7 @@ pub struct Report {
     pub fetches_per_pixel: u32,
     /// Plan of each light's method, by the lights' places in the scene; none where it has no
     /// method, or reaches nothing that is seen.
-    pub plans: Vec<Option<ShadowPlan>>,
+    pub plans: Vec<Option<Arc<ShadowPlan>>>,
     /// The passes' times, in the order in which they ran: taken by the device's clock, where
     /// [`timed`](crate::RenderOptions::timed) asks for them and [the device has
     /// one](crate::Gpu::has_timestamps), else empty.

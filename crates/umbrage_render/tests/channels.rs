@@ -5,8 +5,8 @@ mod common;
 use common::probe::{number, probing, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, Constants, Contents, DepthOrder, DepthTarget, Frame, Pass,
-    ShadowPlan, Value, Viewport,
+    Blend, CasterPass, ColorTarget, Constants, Contents, Cull, DepthOrder, DepthTarget, Frame,
+    Pass, ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
 
@@ -58,7 +58,7 @@ fn channels(frame: &Frame<'_>) -> ShadowPlan {
                 width: SIZE - half,
                 height: SIZE,
             },
-            cull: None,
+            cull: Cull::Nothing,
             // The wall fills a tenth of the map, scaled ten times: all of it.
             view_proj: Mat4::from_scale(Vec3::new(20.0, 20.0, 1.0)) * flat(depth),
             constants: Constants::new(),

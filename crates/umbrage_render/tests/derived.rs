@@ -5,8 +5,8 @@ mod common;
 use common::probe::{number, probing_with, refusal, texture};
 use glam::{Mat4, Vec3};
 use umbrage_shadow::{
-    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants, DepthOrder,
-    Frame, Need, Pass, Reads, ScreenPass, ShadowPlan, Value, Viewport,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants, Cull,
+    DepthOrder, Frame, Need, Pass, Reads, ScreenPass, ShadowPlan, Value, Viewport,
 };
 use wgpu::{ColorWrites, TextureFormat};
 
@@ -104,7 +104,7 @@ fn casters(x: u32, depth: f32) -> CasterPass {
             width: SIZE - x,
             ..everything()
         },
-        cull: None,
+        cull: Cull::Nothing,
         // The wall is 3 m before the camera.
         view_proj: Mat4::from_translation(Vec3::new(0.0, 0.0, depth + 0.03)) * scale,
         constants: Constants::new(),
@@ -251,9 +251,9 @@ fn calc_shadow(position_ws: vec3f) -> f32 {
 
 /// Depth in red for faces that are turned to the light, in green for others.
 const FACES: &str = r#"
-import umbrage::common::frame::{frame, instances};
+import umbrage::common::frame::{drawn, frame, instances};
 @vertex fn vs_faces(@builtin(instance_index) instance: u32, @location(0) position: vec3f) -> @builtin(position) vec4f {
-    return frame.view_proj * (instances[instance].model * vec4f(position, 1.0));
+    return frame.view_proj * (instances[drawn[instance]].model * vec4f(position, 1.0));
 }
 @fragment fn fs_faces(@builtin(position) clip: vec4f, @builtin(front_facing) front: bool) -> @location(0) vec2f {
     return select(vec2f(0.0, clip.z), vec2f(clip.z, 0.0), front);

@@ -44,7 +44,7 @@ fn render(renderer: &mut Renderer, scene: &Scene, options: &RenderOptions) -> Re
 
 /// Passes of plans that were run, and that were not.
 fn runs(report: &Report) -> [u32; 2] {
-    let run = report.caster_passes + report.derived_passes;
+    let run = report.caster_passes + report.derived_passes + report.repaired_passes;
     [run, report.kept_passes]
 }
 

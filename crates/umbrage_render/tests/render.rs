@@ -9,8 +9,8 @@ use glam::{DVec3, Vec3, Vec4};
 use umbrage_compose::Source;
 use umbrage_render::{Picture, RenderOptions, Rendered, Renderer, Scene, Shadow, What};
 use umbrage_shadow::{
-    CasterPass, Constants, DepthOrder, DepthTarget, Frame, Light, Part, Pass, PlanError, Registry,
-    ShadowMethod, ShadowPlan, Support, TextureDesc, Viewport,
+    CasterPass, Constants, Cull, DepthOrder, DepthTarget, Frame, Light, Part, Pass, PlanError,
+    Registry, ShadowMethod, ShadowPlan, Support, TextureDesc, Viewport,
 };
 
 /// A ball of either surface on a ground; the far lamp reaches only the ground under it.
@@ -386,7 +386,7 @@ impl ShadowMethod for Faulty {
                     width: 64,
                     height: 64,
                 },
-                cull: None,
+                cull: Cull::Nothing,
                 view_proj: glam::Mat4::IDENTITY,
                 constants: Constants::new(),
                 casters: (0..frame.casters.casters.len()).collect(),

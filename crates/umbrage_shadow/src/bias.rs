@@ -29,7 +29,7 @@ impl Bias {
         if !lens.is_perspective() {
             let range = seen.far - seen.near;
             let far = seen.near.abs().max(seen.far.abs());
-            let rounding = 4.0 * seen.precision.max(Extent::PRECISION * far);
+            let rounding = 4.0 * seen.precision().max(Extent::PRECISION * far);
             let shift = texels * texel + rounding;
             return Self {
                 depth: DVec2::new(shift / range, 0.0),
@@ -40,7 +40,7 @@ impl Bias {
         }
         // Beyond the whole distance a shift has no meaning.
         let most = 0.9;
-        let rounding = Extent::PRECISION + seen.precision / nearest.max(1e-3 * seen.far);
+        let rounding = Extent::PRECISION + seen.precision() / nearest.max(1e-3 * seen.far);
         let rounding = (4.0 * rounding).min(most);
         let share = (texels * texel + rounding).min(most);
         let risen = DVec2::new(-lens.depth_terms(seen.near, seen.far).x, 1.0);

@@ -123,9 +123,20 @@ impl Aabb {
         center.clamp(self.min, self.max).distance(center) <= radius
     }
 
-    /// The greatest n · p over the box.
-    pub(crate) fn support(&self, normal: DVec3) -> f64 {
-        (normal * self.min).max(normal * self.max).element_sum()
+    /// Whether `other` lies in the box.
+    pub fn contains(&self, other: &Self) -> bool {
+        self.min.cmple(other.min).all() && other.max.cmple(self.max).all()
+    }
+
+    /// The least and the greatest `direction` · p of the points p of the box.
+    pub fn along(&self, direction: DVec3) -> [f64; 2] {
+        let (a, b) = (direction * self.min, direction * self.max);
+        [a.min(b), a.max(b)].map(DVec3::element_sum)
+    }
+
+    /// The greatest distance of a point of the box from the origin.
+    pub fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).length()
     }
 
     pub(crate) fn planes(&self) -> [(DVec3, f64); 6] {
@@ -185,6 +196,6 @@ impl Frustum {
     pub fn intersects(&self, aabb: &Aabb) -> bool {
         self.planes
             .iter()
-            .all(|(normal, d)| aabb.support(*normal) + d >= 0.0)
+            .all(|(normal, d)| aabb.along(*normal)[1] + d >= 0.0)
     }
 }

@@ -40,8 +40,8 @@ pub struct Casters<'a> {
     pub casters: &'a [Aabb],
     /// Objects that may be seen in the light.
     pub receivers: &'a [Aabb],
-    /// Whether one of the receivers is air, which the camera's depth does not show.
-    pub air: bool,
+    /// The air that may be seen in the light, where there is any: a receiver that the camera's depth does not show.
+    pub air: Option<Aabb>,
 }
 
 /// A frame's boxes relative to the camera: world axes, metres from [`View::position`].
@@ -53,8 +53,10 @@ pub struct Bounds {
     pub camera: Frustum,
     /// All casters, in the frame's order.
     pub casters: Vec<Aabb>,
-    /// The receivers that the light may reach.
+    /// The receivers that the light may reach, the air as the last one.
     pub receivers: Vec<Aabb>,
+    /// Whether air is one of them.
+    pub air: bool,
 }
 
 impl<'a> Frame<'a> {
@@ -68,6 +70,7 @@ impl<'a> Frame<'a> {
         let kinds = [
             ("caster", self.casters.casters),
             ("receiver", self.casters.receivers),
+            ("air", self.casters.air.as_slice()),
         ];
         for (kind, boxes) in kinds {
             for (i, aabb) in boxes.iter().enumerate() {
@@ -122,14 +125,19 @@ impl<'a> Frame<'a> {
     pub fn bounds(&self) -> Bounds {
         let origin = self.view.position;
         let Casters {
-            casters, receivers, ..
+            casters,
+            receivers,
+            air,
         } = self.casters;
+        let air = air.filter(|air| self.light.reaches(air));
         let lit = receivers.iter().filter(|r| self.light.reaches(r));
+        let lit = lit.chain(&air);
         Bounds {
             origin,
             camera: self.view.frustum_relative(),
             casters: casters.iter().map(|c| c.translate(-origin)).collect(),
             receivers: lit.map(|r| r.translate(-origin)).collect(),
+            air: air.is_some(),
         }
     }
 

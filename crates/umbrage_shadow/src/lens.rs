@@ -85,11 +85,21 @@ impl Lens {
         (at.truncate().truncate() / at.w, at.z)
     }
 
-    /// Where `boxes` lie in the lens's plane; none where there is no box. The shadows of a directional light's casters
-    /// lie nowhere else.
-    pub fn around(&self, boxes: &[Aabb]) -> Option<Rect> {
-        let corners = boxes.iter().flat_map(Aabb::corners);
-        Rect::from_points(corners.map(|corner| self.place(corner).0))
+    /// Bounds of where the points of a box lie: x and y as [`place`](Self::place) has them, z the distance; none where
+    /// some of it is not in front of a light with a perspective.
+    pub fn bound(&self, aabb: &Aabb) -> Option<Aabb> {
+        let linear = aabb.transform(&self.to_light);
+        if !self.perspective {
+            return Some(linear);
+        }
+        if linear.min.z > 0.0 {
+            let place = |corner| {
+                let (at, distance) = self.place(corner);
+                at.extend(distance)
+            };
+            return Aabb::from_points(aabb.corners().map(place));
+        }
+        None
     }
 
     /// A + B · distance (directional) or A + B / distance is the depth at a distance (metres) from
@@ -150,6 +160,14 @@ impl Rect {
         Self {
             min: DVec2::splat(-half),
             max: DVec2::splat(half),
+        }
+    }
+
+    /// The rectangle of the places in `bound`: see [`Lens::bound`].
+    pub fn of(bound: &Aabb) -> Self {
+        Self {
+            min: bound.min.truncate(),
+            max: bound.max.truncate(),
         }
     }
 

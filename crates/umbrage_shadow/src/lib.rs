@@ -93,7 +93,7 @@
 //!                 depth: Some(order.nearest("whole_map".into())),
 //!                 colors: Vec::new(),
 //!                 viewport: Viewport { x: 0, y: 0, width: 1024, height: 1024 },
-//!                 cull: None,
+//!                 cull: Cull::Hidden,
 //!                 view_proj,
 //!                 constants: Constants::new(),
 //!                 casters: (0..frame.casters.casters.len()).collect(),
@@ -121,9 +121,9 @@ mod answers;
 mod atlas;
 mod bias;
 mod bounds;
+mod cells;
 mod constants;
 mod extent;
-mod fit;
 mod frame;
 mod lens;
 mod light;
@@ -135,14 +135,15 @@ mod registry;
 mod settings;
 mod splits;
 mod view;
+mod volume;
 
 pub use answers::Answers;
 pub use atlas::Atlas;
 pub use bias::Bias;
 pub use bounds::{Aabb, Frustum};
+pub use cells::Cell;
 pub use constants::{Constants, Value};
-pub use extent::{Beam, Extent};
-pub use fit::overlap;
+pub use extent::{Beam, Extent, Placed};
 pub use frame::{Bounds, Casters, Frame, PlanError};
 pub use lens::{Lens, Rect, light_basis};
 pub use light::{Light, LightKind};
@@ -150,11 +151,12 @@ pub use maps::{DepthOrder, Map, MapRange, Maps};
 pub use number::plain_number;
 pub use part::{DepthSource, Filter, Part, ShadowMethod, Support};
 pub use plan::{
-    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, DepthTarget,
-    MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass, ShadowPlan,
-    Slice, Source, TextureDesc, TextureShape, Viewport, Workgroups,
+    Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Contents, Cull,
+    DepthTarget, MAX_QUESTIONS, MAX_REGIONS, Need, Pass, Reads, Region, SamplerDesc, ScreenPass,
+    ShadowPlan, Slice, Source, TextureDesc, TextureShape, Viewport, Workgroups,
 };
 pub use registry::{Choice, Parts, Registry, RegistryError};
 pub use settings::{Setting, Settings, SettingsError};
 pub use splits::{MAX_SPLITS, split_depths};
 pub use view::{Field, Projection, View, look_along};
+pub use volume::{Side, Volume, overlap};

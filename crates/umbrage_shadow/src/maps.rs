@@ -4,8 +4,8 @@ use glam::DMat4;
 use wgpu_types::{CompareFunction, FilterMode, TextureFormat};
 
 use crate::{
-    Bias, CasterPass, Constants, DepthTarget, Extent, Lens, Pass, PlanError, Reads, SamplerDesc,
-    ScreenPass, ShadowPlan, Slice, TextureDesc, TextureShape, Viewport,
+    Bias, CasterPass, Constants, Cull, DepthTarget, Extent, Lens, Pass, PlanError, Reads,
+    SamplerDesc, ScreenPass, ShadowPlan, Slice, TextureDesc, TextureShape, Viewport,
 };
 
 /// Which of two depths is the nearer one.
@@ -74,6 +74,8 @@ pub struct Map {
     pub casters: Vec<usize>,
     /// The view depths that it is read for: see [`CasterPass::receivers`].
     pub receivers: Option<[f64; 2]>,
+    /// The view depths of all that is looked up in it: beside its `receivers`, those of which other maps are read as well.
+    pub held: Option<[f64; 2]>,
     /// Bias of its receivers.
     pub bias: Bias,
     /// The distances that it holds.
@@ -120,14 +122,15 @@ impl MapRange {
 impl Map {
     /// The pass that draws the nearest depths of this map, in this order, into the depth texture `target`.
     ///
-    /// Both sides of each triangle are drawn: a mesh may be open, a leaf without thickness, a transform a mirror.
+    /// Both sides of each triangle are drawn, but for closed casters, whose backs are never nearest: a mesh may be open, a leaf
+    /// without thickness, a transform a mirror.
     pub fn nearest(&self, target: &str, order: DepthOrder) -> CasterPass {
         CasterPass {
             shader: "caster".to_owned(),
             depth: Some(order.nearest(Slice::new(target, self.layer))),
             colors: Vec::new(),
             viewport: self.tile,
-            cull: None,
+            cull: Cull::Hidden,
             view_proj: self.view_proj.as_mat4(),
             constants: Constants::new(),
             casters: self.casters.clone(),

@@ -284,8 +284,8 @@ pub struct CasterPass {
     pub colors: Vec<ColorTarget>,
     /// Where in the textures.
     pub viewport: Viewport,
-    /// Which faces are left out. A cube's faces are mirrored: there, front and back change places.
-    pub cull: Option<Face>,
+    /// Which faces are left out.
+    pub cull: Cull,
     /// World (camera-relative) to clip space: the member `view_proj` of the shader's block `frame`.
     pub view_proj: Mat4,
     /// Members of `frame` and of further uniform blocks in its group.
@@ -296,6 +296,18 @@ pub struct CasterPass {
     /// receivers that this pass's map is read for; none where it is read for all that it holds. Nothing is
     /// drawn by it: it tells a measurement which of several maps a pixel reads.
     pub receivers: Option<[f64; 2]>,
+}
+
+/// Which faces of casters a pass leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cull {
+    /// None.
+    Nothing,
+    /// These, as the map shows them: a cube's faces are mirrored, so that there front and back change places.
+    Side(Face),
+    /// Those that cannot be nearest to the light: the backs of closed casters, where the map's near plane cuts none. Of other
+    /// casters none. For passes whose outcome is the nearest depth.
+    Hidden,
 }
 
 /// Where a pass's depth goes, and what of old and new depth is kept.

@@ -50,14 +50,14 @@ pub struct Parts<P: ?Sized> {
 }
 
 /// The parts that were chosen for one light's shadow.
-#[derive(Clone, Copy)]
-pub struct Choice<'a> {
+#[derive(Clone)]
+pub struct Choice {
     /// The method.
-    pub method: &'a dyn ShadowMethod,
+    pub method: Arc<dyn ShadowMethod>,
     /// The source of its maps' depths, where it lets that be chosen.
-    pub depth: Option<&'a dyn DepthSource>,
+    pub depth: Option<Arc<dyn DepthSource>>,
     /// The filter of its maps, where it lets that be chosen.
-    pub filter: Option<&'a dyn Filter>,
+    pub filter: Option<Arc<dyn Filter>>,
 }
 
 /// Why a registry refused.
@@ -117,14 +117,14 @@ impl Registry {
         &self,
         method: &str,
         value: impl Fn(&str) -> Option<&'v str>,
-    ) -> Result<Choice<'_>, RegistryError> {
-        let method = self.methods.get(method)?;
+    ) -> Result<Choice, RegistryError> {
+        let method = self.methods.shared(method)?;
         let of = |axis| {
             let has = method.axes().contains(&axis);
             has.then(|| value(axis).unwrap_or(""))
         };
-        let depth = of(Choice::DEPTH).map(|name| self.depths.get(name));
-        let filter = of(Choice::FILTER).map(|name| self.filters.get(name));
+        let depth = of(Choice::DEPTH).map(|name| self.depths.shared(name));
+        let filter = of(Choice::FILTER).map(|name| self.filters.shared(name));
         let choice = Choice {
             method,
             depth: depth.transpose()?,
@@ -141,7 +141,7 @@ impl Default for Registry {
     }
 }
 
-impl<'a> Choice<'a> {
+impl Choice {
     /// The axis of depth sources.
     pub const DEPTH: &'static str = "depth";
 
@@ -149,16 +149,16 @@ impl<'a> Choice<'a> {
     pub const FILTER: &'static str = "filter";
 
     /// The parts, the method first.
-    pub fn parts(&self) -> impl Iterator<Item = &'a dyn Part> {
-        let depth = self.depth.map(|depth| depth as &dyn Part);
-        let filter = self.filter.map(|filter| filter as &dyn Part);
-        [Some(self.method as &dyn Part), depth, filter]
+    pub fn parts(&self) -> impl Iterator<Item = &dyn Part> {
+        let depth = self.depth.as_deref().map(|depth| depth as &dyn Part);
+        let filter = self.filter.as_deref().map(|filter| filter as &dyn Part);
+        [Some(&*self.method as &dyn Part), depth, filter]
             .into_iter()
             .flatten()
     }
 
     /// All axes of the parts, sorted.
-    pub fn axes(&self) -> Vec<&'a str> {
+    pub fn axes(&self) -> Vec<&str> {
         let mut axes: Vec<_> = self.parts().flat_map(Part::axes).copied().collect();
         axes.sort_unstable();
         axes.dedup();
@@ -221,7 +221,15 @@ impl<P: ?Sized + Part> Parts<P> {
     /// # Errors
     /// [`RegistryError::Unknown`].
     pub fn get(&self, name: &str) -> Result<&P, RegistryError> {
-        let found = self.by_name.get(name).map(Arc::as_ref);
+        self.entry(name).map(Arc::as_ref)
+    }
+
+    fn shared(&self, name: &str) -> Result<Arc<P>, RegistryError> {
+        self.entry(name).cloned()
+    }
+
+    fn entry(&self, name: &str) -> Result<&Arc<P>, RegistryError> {
+        let found = self.by_name.get(name);
         found.ok_or_else(|| RegistryError::Unknown {
             kind: self.kind,
             name: name.to_owned(),

@@ -1,6 +1,7 @@
 //! Plans, as their parts make them, checked by themselves: before anything is made or recorded for them.
 
 use std::{
+    any::Any,
     collections::BTreeSet,
     panic::{AssertUnwindSafe, catch_unwind},
 };
@@ -29,8 +30,6 @@ fn planned(job: &Job<'_>) -> Result<ShadowPlan, Error> {
     let planned = catch_unwind(AssertUnwindSafe(|| method.plan(job.frame)));
     let light = job.name.to_owned();
     let planned = planned.map_err(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str);
-        let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
         let mut parts = format!("method `{}`", method.name());
         for (kind, part) in [
             ("depths", job.frame.depth.map(Part::name)),
@@ -41,10 +40,17 @@ fn planned(job: &Job<'_>) -> Result<ShadowPlan, Error> {
         Error::Panicked {
             light: light.clone(),
             parts,
-            said: said.unwrap_or("no words").to_owned(),
+            said: said(&*panic).to_owned(),
         }
     })?;
     planned.map_err(|source| Error::Plan { light, source })
+}
+
+/// A panic's words.
+pub(crate) fn said(panic: &(dyn Any + Send)) -> &str {
+    let said = panic.downcast_ref::<String>().map(String::as_str);
+    let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
+    said.unwrap_or("no words")
 }
 
 /// Whether what a plan tells of its filter and its reach are numbers.

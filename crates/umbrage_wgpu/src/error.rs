@@ -110,6 +110,14 @@ pub enum Error {
         /// How many colours are drawn into.
         targets: usize,
     },
+    /// A pipeline that was to be made ahead cannot be made.
+    #[error("permutation {keys} cannot be made ahead of need: {said}")]
+    Ahead {
+        /// The permutation's keys.
+        keys: String,
+        /// Why, in the device's words, or a panic's.
+        said: String,
+    },
     /// A pass reads or gives what its plan does not.
     #[error("light `{light}`, method `{method}`: a pass of its plan: {source}")]
     Pass {

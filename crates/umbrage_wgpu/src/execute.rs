@@ -7,23 +7,31 @@ use std::{
 
 use umbrage_compose::{Composed, Composer, Permutation, ProjectedKey};
 use umbrage_shadow::{
-    BufferDesc, CasterPass, ComputePass, Constants, Frame, Pass, ScreenPass, ShadowPlan, Source,
-    Viewport, Workgroups,
+    BufferDesc, CasterPass, ComputePass, Constants, Cull, Frame, Pass, ScreenPass, ShadowPlan,
+    Source, Viewport, Workgroups,
 };
 
 use crate::{
-    CheckedShadow, Computation, DrawState, Draws, Error, Gpu, Groups, Host, Identity, Pipeline,
-    Program, Question, ShadowResources, Times, Unfiltered, bind, check,
-    record::{self, Memory, Place, Record, Shader, Touches},
+    Backlog, Binder, CheckedShadow, Computation, DrawState, Draws, Error, Groups, Host, Identity,
+    Pipeline, Program, Question, Readiness, ShadowResources, Times, Unfiltered, Wanted,
+    ahead::Ahead,
+    area::{Area, Empty, Shadower},
+    asked::{Asked, Outcome},
+    check,
+    kept::Kept,
+    program::PipelineId,
+    record::{self, Memory, Place, Ready, Record, Shader, Work},
     resources::{self, unfiltered},
+    sides,
     targets::{Targets, attachment, depth_attachment},
     touches::{reads_camera_depth, source},
 };
 
 /// Executes plans, and keeps from frame to frame what it made for them: textures and what stands in them, pipelines.
 pub struct Executor {
-    shared: Shared,
-    lights: BTreeMap<u64, Memory>,
+    pub(crate) shared: Shared,
+    ahead: Ahead,
+    pub(crate) lights: BTreeMap<u64, Memory>,
 }
 
 /// A light's shadow, asked for.
@@ -33,7 +41,7 @@ pub struct Job<'a> {
     /// The light's name, for errors.
     pub name: &'a str,
     /// The parts that make its shadow, and what is chosen for them.
-    pub shadow: &'a CheckedShadow<'a>,
+    pub shadow: &'a CheckedShadow,
     /// The frame that they plan for.
     pub frame: &'a Frame<'a>,
     /// Which casters these are: one for each of the frame's.
@@ -59,9 +67,9 @@ pub struct CameraDepth<'a> {
 /// A plan, executed.
 pub struct Executed {
     /// Resources that the light's shaders read.
-    pub resources: ShadowResources,
+    pub resources: Arc<ShadowResources>,
     /// The plan, and for each of its passes what became of it.
-    pub plan: ShadowPlan,
+    pub plan: Arc<ShadowPlan>,
     /// In the order of the plan's passes.
     pub runs: Vec<Run>,
     /// The question that the plan ends in: then the light has no shadow yet, and is to be asked for again with the answer.
@@ -73,12 +81,11 @@ pub struct Executed {
 pub enum Run {
     /// Its targets stand already.
     Kept,
+    /// It was recorded for the part of its targets that casters changed.
+    Repaired,
     /// It was recorded.
     Recorded,
 }
-
-/// Vertex buffers, as a pipeline has them.
-type Vertices = Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>;
 
 /// The keys of a permutation.
 type Keys = Vec<ProjectedKey>;
@@ -88,13 +95,29 @@ pub(crate) struct Shared {
     pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     composer: Arc<Composer>,
-    pipelines: HashMap<(Keys, DrawState, Vertices), Arc<Pipeline>>,
-    computations: HashMap<(Keys, Unfiltered), Arc<Computation>>,
+    pub(crate) binder: Binder,
+    /// Whether textures are made so that they can be copied.
+    pub(crate) copies: bool,
+    pipelines: Kept<PipelineId, Arc<Pipeline>>,
+    computations: Kept<(Keys, Unfiltered), Arc<Computation>>,
+    /// What makes a part of targets empty.
+    emptied: HashMap<Empty, wgpu::RenderPipeline>,
 }
 
 impl Shared {
-    pub(crate) fn gpu(&self) -> Gpu<'_> {
-        (&self.device, &self.queue)
+    fn begin_frame(&mut self) {
+        self.binder.begin_frame();
+        self.pipelines.begin_frame();
+        self.computations.begin_frame();
+    }
+
+    /// Keeps what workers made, unless it was made here meanwhile.
+    fn take_in(&mut self, made: Vec<(PipelineId, Arc<Pipeline>)>) {
+        for (id, pipeline) in made {
+            if self.pipelines.get(&id).is_none() {
+                self.pipelines.insert(id, pipeline);
+            }
+        }
     }
 
     pub(crate) fn compose<'a>(
@@ -113,20 +136,20 @@ impl Shared {
         state: DrawState,
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Arc<Pipeline>, Error> {
-        let owned = vertices.iter();
-        let owned = owned.map(|v| (v.array_stride, v.step_mode, v.attributes.to_vec()));
-        let id = (
-            permutation.keys().cloned().collect(),
-            state,
-            owned.collect(),
-        );
+        let id = PipelineId::new(permutation, state, vertices);
         if let Some(known) = self.pipelines.get(&id) {
             return Ok(Arc::clone(known));
         }
-        let made = Pipeline::new(&self.device, Arc::clone(permutation), &id.1, vertices)?;
+        let made = Pipeline::new(&self.device, Arc::clone(permutation), &id.state, vertices)?;
         let made = Arc::new(made);
         self.pipelines.insert(id, Arc::clone(&made));
         Ok(made)
+    }
+
+    fn emptied(&mut self, empty: Empty) -> wgpu::RenderPipeline {
+        let made = self.emptied.entry(empty);
+        made.or_insert_with_key(|empty| empty.pipeline(&self.device))
+            .clone()
     }
 
     fn computation(
@@ -145,16 +168,23 @@ impl Shared {
     }
 }
 
+/// Most pipelines of a kind that are kept, where a frame does not use more.
+const MOST_PIPELINES: usize = 4_096;
+
 impl Executor {
     /// An executor for `device`, whose passes' permutations come from `composer`.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, composer: Arc<Composer>) -> Self {
         Self {
+            ahead: Ahead::new(device, &composer, MOST_PIPELINES),
             shared: Shared {
                 device: device.clone(),
                 queue: queue.clone(),
                 composer,
-                pipelines: HashMap::new(),
-                computations: HashMap::new(),
+                binder: Binder::new(device, queue),
+                copies: false,
+                pipelines: Kept::new(MOST_PIPELINES),
+                computations: Kept::new(MOST_PIPELINES),
+                emptied: HashMap::new(),
             },
             lights: BTreeMap::new(),
         }
@@ -171,14 +201,23 @@ impl Executor {
         job: &Job<'_>,
         host: &mut dyn Host,
     ) -> Result<Executed, Error> {
+        let asked = self.lights.get(&job.light);
+        let asked = asked.and_then(|memory| memory.asked.as_ref());
+        if let Some((executed, composed)) = asked.and_then(|asked| asked.again(job)) {
+            for (shader, composed) in composed {
+                host.composed(shader, composed);
+            }
+            return Ok(executed);
+        }
         let plan = check::plan(job, self.shared.device.features())?;
         let shaders = self.shaders(job, &plan, host)?;
         // Put back once all is recorded.
-        let memory = self.lights.remove(&job.light).unwrap_or_default();
+        let mut memory = self.lights.remove(&job.light).unwrap_or_default();
+        let before = memory.asked.take();
         let mut execution = Execution::new(&mut self.shared, job, memory, &plan)?;
-        let runs = execution.run(encoder, &plan, shaders, host)?;
+        let runs = execution.run(encoder, &plan, &shaders, host)?;
         let Execution {
-            memory,
+            mut memory,
             mut resources,
             ..
         } = execution;
@@ -186,6 +225,23 @@ impl Executor {
         resources.regions = plan.regions.clone();
         let (device, answers) = (&self.shared.device, job.frame.answers);
         let question = Question::record(device, encoder, &plan, &memory.buffers, answers);
+        let (plan, resources) = (Arc::new(plan), Arc::new(resources));
+        if question.is_none() {
+            let passes = plan.passes.iter().zip(shaders);
+            let composed = passes.filter_map(|(pass, composed)| Some((pass, composed?)));
+            let composed: Vec<_> = composed.collect();
+            let mut reads = composed.iter();
+            let reads = reads.any(|(pass, shader)| reads_camera_depth(pass, &shader.permutation));
+            let depth = job.camera_depth.filter(|_| reads);
+            let named = |(pass, composed): (&Pass, _)| (pass.shader().to_owned(), composed);
+            let outcome = Outcome {
+                plan: Arc::clone(&plan),
+                resources: Arc::clone(&resources),
+                composed: composed.into_iter().map(named).collect(),
+                depth: depth.map(|depth| depth.revision),
+            };
+            memory.asked = Some(Asked::new(job, outcome, before));
+        }
         self.lights.insert(job.light, memory);
         Ok(Executed {
             resources,
@@ -227,16 +283,64 @@ impl Executor {
     /// Has everything be drawn anew for `light`: for one whose recorded passes were not submitted. Its textures are kept.
     pub fn forget(&mut self, light: u64) {
         if let Some(memory) = self.lights.get_mut(&light) {
+            memory.asked = None;
             memory.drawn.clear();
             memory.contents.clear();
         }
     }
 
-    /// Lets go of all lights and pipelines.
+    /// Begins a frame, when all that was recorded before is submitted: buffers that the frame before did not need take the
+    /// next values, what workers made is there from now on, and of too many pipelines those go that were not used the
+    /// longest. To be called once a frame.
+    pub fn begin_frame(&mut self) {
+        self.shared.begin_frame();
+        let made = self.ahead.begin_frame();
+        self.shared.take_in(made);
+    }
+
+    /// Whether the pipeline that is `wanted` is made; if not, workers make it, and frames go on without. Of all that
+    /// waits, comes first what a later frame asked for, and then that of which more is `seen`: pixels, say, or objects. A
+    /// frame asks again for what it still wants. Asked for long before it is needed, nothing need wait for it.
+    ///
+    /// What is ready is had by [`pipeline`](Self::pipeline), from the permutation that the composer has by now, at the cost of
+    /// two look-ups.
+    ///
+    /// # Errors
+    /// Faults of the shaders, and what the device refuses: once for each that is wanted, then it has
+    /// [failed](Readiness::Failed).
+    pub fn prepare(&mut self, wanted: &Wanted, seen: u32) -> Result<Readiness, Error> {
+        let kept = &mut self.shared.pipelines;
+        let is_kept = |id: &PipelineId| kept.get(id).is_some();
+        self.ahead.prepare(wanted, seen, is_kept)
+    }
+
+    /// Waits until workers have made all that they were asked for: behind a loading screen, say.
+    pub fn settle(&mut self) {
+        let made = self.ahead.settle();
+        self.shared.take_in(made);
+    }
+
+    /// How much waits for workers, and what there was no room for.
+    pub fn backlog(&self) -> Backlog {
+        Backlog {
+            let_go: self.shared.pipelines.let_go() + self.shared.computations.let_go(),
+            ..self.ahead.backlog()
+        }
+    }
+
+    /// What binds the resources of shaders, the engine's own among them.
+    pub fn binder(&mut self) -> &mut Binder {
+        &mut self.shared.binder
+    }
+
+    /// Lets go of all lights, pipelines and bindings.
     pub fn clear(&mut self) {
         self.lights.clear();
+        self.shared.binder.clear();
         self.shared.pipelines.clear();
         self.shared.computations.clear();
+        self.ahead.clear();
+        self.shared.emptied.clear();
     }
 
     /// The pipeline that draws vertices in buffers of these layouts with `permutation`; made once.
@@ -284,8 +388,9 @@ pub(crate) struct Execution<'a> {
     pub(crate) resources: ShadowResources,
     /// Textures and buffers that hold nothing yet, or were uploaded anew.
     new: BTreeSet<String>,
-    /// Where a pass has written, depths apart: only the first one into each place clears it.
-    pub(crate) filled: BTreeSet<Place>,
+    /// Where a pass has written: only the first one into each place clears it, or, where parts are repaired, the first one into
+    /// each viewport, known by its corner.
+    pub(crate) filled: BTreeSet<(Place, Option<[u32; 2]>)>,
 }
 
 /// Where a pass is recorded, and where its times are noted.
@@ -303,7 +408,8 @@ impl<'a> Execution<'a> {
             memory.let_go(plan);
         }
         let device = &shared.device;
-        let (textures, mut new) = resources::textures(device, &memory.textures, job, plan)?;
+        let kept = (&memory.textures, shared.copies);
+        let (textures, mut new) = resources::textures(device, kept, job, plan)?;
         let (buffers, new_buffers) = resources::buffers(device, &memory.buffers, job, plan)?;
         memory.textures.extend(textures);
         memory.buffers.extend(buffers);
@@ -322,7 +428,7 @@ impl<'a> Execution<'a> {
             memory.contents.insert(name, bytes);
         }
         let kept = (&memory.textures, &memory.buffers);
-        let mut resources = resources::resources(device, plan, kept);
+        let mut resources = resources::resources(&mut shared.binder, plan, kept);
         resources.light = job.constants.clone();
         Ok(Self {
             shared,
@@ -338,25 +444,32 @@ impl<'a> Execution<'a> {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         plan: &ShadowPlan,
-        shaders: Vec<Option<Composed>>,
+        shaders: &[Option<Composed>],
         host: &mut dyn Host,
     ) -> Result<Vec<Run>, Error> {
-        let passes = plan.passes.iter().zip(&shaders);
+        let passes = plan.passes.iter().zip(shaders);
         let ready = passes.map(|(pass, shader)| self.ready(pass, shader.as_ref(), plan));
         let ready = ready.collect::<Result<Vec<_>, Error>>()?;
         self.check_reads(plan, ready.iter().map(|(_, touches)| touches))?;
         let wanted = record::by_place(&ready);
-        let stale = record::stale(&ready, (&wanted, &self.memory.drawn), &self.new);
-        let mut runs = Vec::with_capacity(stale.len());
-        for ((pass, composed), stale) in plan.passes.iter().zip(&shaders).zip(stale) {
-            runs.push(if stale { Run::Recorded } else { Run::Kept });
-            if !stale {
+        let work = record::work(&ready, (&wanted, &self.memory.drawn), &self.new);
+        let mut runs = Vec::with_capacity(work.len());
+        for ((pass, composed), work) in plan.passes.iter().zip(shaders).zip(work) {
+            let (run, area) = match work {
+                Work::Nothing => (Run::Kept, None),
+                Work::Repair(area) => (Run::Repaired, Some(area)),
+                Work::Whole => (Run::Recorded, None),
+            };
+            runs.push(run);
+            if run == Run::Kept {
                 continue;
             }
             let times = host.times(pass);
             let times = times.as_ref();
             match (pass, composed) {
-                (Pass::Casters(pass), _) => self.draw_casters((encoder, times), pass, host)?,
+                (Pass::Casters(pass), _) => {
+                    self.draw_casters((encoder, times), (pass, area), host)?;
+                }
                 (Pass::Screen(pass), Some(composed)) => {
                     self.draw_screen((encoder, times), pass, composed)?;
                 }
@@ -376,7 +489,7 @@ impl<'a> Execution<'a> {
         pass: &Pass,
         composed: Option<&Composed>,
         plan: &ShadowPlan,
-    ) -> Result<(Record, Touches), Error> {
+    ) -> Result<Ready, Error> {
         let mut record = Record {
             pass: pass.clone(),
             origin: self.job.frame.view.position,
@@ -410,7 +523,7 @@ impl<'a> Execution<'a> {
         if let Some(permutation) = permutation {
             record.shader = Some(self.shader(pass, permutation, plan));
         }
-        Ok((record, touches))
+        Ok((Arc::new(record), touches))
     }
 
     /// The shader of `pass` and all that it depends on, textures and buffers that passes fill apart.
@@ -441,10 +554,12 @@ impl<'a> Execution<'a> {
     fn draw_casters(
         &mut self,
         (encoder, times): Recording<'_>,
-        pass: &CasterPass,
+        (pass, area): (&CasterPass, Option<Area>),
         host: &mut dyn Host,
     ) -> Result<(), Error> {
-        let targets = self.caster_targets(pass)?;
+        let mut targets = self.caster_targets(pass, area)?;
+        let emptied = area.and_then(|_| targets.keep());
+        let emptied = emptied.map(|empty| self.shared.emptied(empty));
         let (depth, colors) = (&targets.depth, &targets.colors);
         let state = DrawState {
             colors: colors.iter().map(|color| color.state).collect(),
@@ -454,7 +569,10 @@ impl<'a> Execution<'a> {
                 .as_ref()
                 .map_or(wgpu::CompareFunction::Always, |depth| depth.compare),
             write_depth: depth.is_some(),
-            cull: pass.cull,
+            cull: match pass.cull {
+                Cull::Side(face) => Some(face),
+                Cull::Nothing | Cull::Hidden => None,
+            },
             ..DrawState::NOTHING
         };
         let colors: Vec<_> = colors.iter().map(attachment).collect();
@@ -469,12 +587,31 @@ impl<'a> Execution<'a> {
         let mut casters = pass.casters.clone();
         casters.sort_unstable();
         casters.dedup();
+        let (bounds, origin) = (self.job.frame.casters.casters, self.job.frame.view.position);
+        let boxes = casters.iter().filter_map(|caster| bounds.get(*caster));
+        // Of all casters, so that a part is drawn as the whole is.
+        let hidden = sides::hidden(pass, boxes, origin);
+        if let Some(area) = area {
+            let size = [0, 1].map(|i| area.to[i] - area.from[i]);
+            recorded.set_scissor_rect(area.from[0], area.from[1], size[0], size[1]);
+            if let Some(emptied) = &emptied {
+                recorded.set_pipeline(emptied);
+                recorded.draw(0..3, 0..1);
+            }
+            let shadower = Shadower::new(pass, origin);
+            let reaches = |caster: &usize| {
+                let drawn = bounds.get(*caster).and_then(|aabb| shadower.area(aabb));
+                drawn.is_some_and(|drawn| drawn.meets(area))
+            };
+            casters.retain(reaches);
+        }
         let mut draws = Draws {
             shared: &mut *self.shared,
             pass: recorded,
             shader: &pass.shader,
             choices: self.job.choices,
             state,
+            hidden,
             constants: (pass.constants.clone()).with("view_proj", pass.view_proj),
             groups: HashMap::new(),
         };
@@ -529,7 +666,7 @@ impl<'a> Execution<'a> {
     ) -> Result<(), Error> {
         for Source { name, .. } in &pass.writes {
             if let Some(buffer) = self.resources.written.get(name)
-                && self.filled.insert((name.clone(), 0, 0))
+                && self.filled.insert(((name.clone(), 0, 0), None))
             {
                 encoder.clear_buffer(buffer, 0, None);
             }
@@ -560,8 +697,8 @@ impl<'a> Execution<'a> {
     }
 
     /// Bind groups of a shader that draws no caster.
-    fn groups(&self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
-        let groups = bind::groups(self.shared.gpu(), program, &[given], &[]);
+    fn groups(&mut self, program: &Program, given: &ShadowResources) -> Result<Groups, Error> {
+        let groups = self.shared.binder.groups(program, &[given], &[]);
         groups.map_err(|error| error.in_pass(self.job))
     }
 }

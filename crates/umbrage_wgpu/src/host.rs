@@ -5,7 +5,7 @@ use std::{collections::HashMap, error::Error as StdError, sync::Arc};
 use umbrage_compose::{BindingKind, Composed};
 use umbrage_shadow::{Constants, Pass};
 
-use crate::{DrawState, Error, Pipeline, Resource, execute::Shared, reads_facing, vertices_read};
+use crate::{Binder, DrawState, Error, Pipeline, Sides, execute::Shared, vertices_read};
 
 /// Which caster it is, and in what state: a map is drawn again where either is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,6 +57,8 @@ pub struct Draws<'a, 'e> {
     pub(crate) shader: &'a str,
     pub(crate) choices: &'a [(&'a str, &'a str)],
     pub(crate) state: DrawState,
+    /// The face that is left out of closed casters.
+    pub(crate) hidden: Option<wgpu::Face>,
     /// Members of the pass's own blocks.
     pub(crate) constants: Constants,
     /// The groups that hold the pass's own block, by pipeline.
@@ -76,7 +78,7 @@ pub struct Prepared {
 
 impl<'e> Draws<'_, 'e> {
     /// The pipeline that draws casters with these values of the shader library's axes (of a material, say), whose vertices lie
-    /// in buffers of these layouts. Of a `mirrored` caster the fronts are wound the other way. Its shader has locations
+    /// in buffers of these layouts, and of which the light can see these sides. Its shader has locations
     /// and further groups as `package::passes::caster` says, or the engine's own module for the same pass.
     ///
     /// # Errors
@@ -85,7 +87,7 @@ impl<'e> Draws<'_, 'e> {
         &mut self,
         axes: &[(&str, &str)],
         vertices: &[wgpu::VertexBufferLayout<'_>],
-        mirrored: bool,
+        sides: Sides,
     ) -> Result<Prepared, Error> {
         let pass = [("pass", self.shader)];
         let axes = pass.iter().chain(axes).copied();
@@ -93,10 +95,8 @@ impl<'e> Draws<'_, 'e> {
             .shared
             .compose(axes.chain(self.choices.iter().copied()))?;
         let mut state = self.state.clone();
-        // Where it makes no difference which side is the front, one pipeline serves both.
-        if mirrored && (state.cull.is_some() || reads_facing(&composed.permutation)) {
-            state.front = wgpu::FrontFace::Cw;
-        }
+        state.cull = state.cull.or(self.hidden.filter(|_| sides.closed));
+        let state = state.facing(sides.mirrored, &composed.permutation);
         let (places, layouts) = vertices_read(&composed.permutation, vertices);
         let pipeline = (self.shared).pipeline(&composed.permutation, state, &layouts)?;
         Ok(Prepared {
@@ -123,17 +123,17 @@ impl<'e> Draws<'_, 'e> {
         Ok(())
     }
 
-    fn own_groups(&self, pipeline: &Pipeline) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
+    fn own_groups(&mut self, pipeline: &Pipeline) -> Result<Vec<(u32, wgpu::BindGroup)>, Error> {
         let program = &pipeline.program;
         let key = &program.permutation.key;
-        let gpu = self.shared.gpu();
         let mut groups = Vec::new();
         for group in 0..program.groups.len() {
             if program.bindings(group).all(|b| b.name != FRAME) {
                 continue;
             }
-            let bound = program.bind(gpu.0, group, |binding| match binding.kind {
-                BindingKind::Uniform(_) => Resource::block(gpu, key, binding, &self.constants),
+            let binder = &mut self.shared.binder;
+            let bound = binder.bind(program, group, |binder, binding| match binding.kind {
+                BindingKind::Uniform(_) => binder.block(key, binding, &self.constants),
                 _ => {
                     let problem = "the shader reads it beside `frame`, but a pass of casters gives uniform blocks alone";
                     Err(Error::binding(key, binding, problem))
@@ -142,6 +142,11 @@ impl<'e> Draws<'_, 'e> {
             groups.extend(bound.map(|bound| (group as u32, bound)));
         }
         Ok(groups)
+    }
+
+    /// What binds the resources of the engine's own groups.
+    pub fn binder(&mut self) -> &mut Binder {
+        &mut self.shared.binder
     }
 
     /// The pass itself, to set vertex buffers and other groups, and to draw.

@@ -9,7 +9,13 @@
 //! A mip level of a layer of a texture, or a buffer, is filled again only where that would change it: where one of the
 //! passes into it is described otherwise than the last time, draws other casters or casters of another
 //! [revision](Identity), or reads what is filled again, or the camera's depth in another revision.
-//! So a frame in which nothing moved draws no map, whatever the method; no method knows.
+//! So a frame in which nothing moved draws no map, whatever the method; no method knows. Where only casters differ, no more
+//! is drawn again than they may reach ([`Run::Repaired`]). A caster that changes and does not say so is found by an
+//! [audit](Executor::audit).
+//!
+//! # Frames
+//! An engine calls [`Executor::begin_frame`] once a frame, when the frame before is submitted. What it binds for its own
+//! shaders it may have from the same [`Binder`], which keeps blocks and bind groups.
 //!
 //! # Shaders of passes
 //! A pass names its shader by a value of the shader library's axis `pass`, whose module has the entry points: one vertex and
@@ -40,37 +46,55 @@
 //! # An engine's own shaders
 //! An engine composes a permutation for a surface and a light's [choices](CheckedShadow::choices), or one for a surface and
 //! several lights ([`Composer::compose_all`](umbrage_compose::Composer::compose_all)), and binds the lights' resources by
-//! name with [`groups`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
+//! name with its [`Binder`]. `examples/own_renderer` is such an engine, with two lights in one shader, in 150 lines.
+//!
+//! # Frames that do not wait for shaders
+//! A pipeline is made on first need, which holds up the frame. Where that must not be, an engine says what is
+//! [wanted](Wanted) and asks [`Executor::prepare`] whether it is [ready](Readiness); while it is not, workers compose and
+//! compile it, and the engine draws what it has chosen instead: nothing, or another permutation that reads the same maps, such
+//! as one with a narrower filter. [`Executor::begin_frame`] takes in what was made, so that all passes of a frame agree on what
+//! is ready. What waits, and what is kept, is bounded: [`Executor::backlog`] tells what there was no room for. Passes of plans
+//! are waited for.
 //!
 //! # Encoders that are not submitted
 //! A recorded pass counts as drawn. Where an encoder is dropped, [forget](Executor::forget) the light. Of a device that is
 //! lost, wgpu tells the engine's error handler, here as elsewhere; another device has another executor. Encoders must be of
 //! the executor's device: wgpu has no way to ask one whose it is, and panics itself where it is another's.
 
+mod ahead;
+mod area;
+mod asked;
+mod audit;
 mod bind;
 mod check;
 pub mod device;
 mod error;
 mod execute;
 mod host;
+mod kept;
 mod pack;
 mod program;
 mod question;
 mod record;
 mod resources;
 mod shadow;
+mod sides;
 mod targets;
 mod touches;
+mod workers;
 
-pub use bind::{Gpu, Groups, Resource, groups};
+pub use ahead::{Backlog, Readiness, Wanted};
+pub use audit::Audit;
+pub use bind::{Binder, Gpu, Groups, Resource};
 pub use error::{Error, TooLarge};
 pub use execute::{CameraDepth, Executed, Executor, Job, Run};
 pub use host::{Drawn, Draws, Host, Identity, Prepared, Times};
 pub use pack::{PackError, pack, pack_buffer};
 pub use program::{
-    ColorState, Computation, DrawState, MAX, Pipeline, Program, STORED, Unfiltered, blend_state,
-    reads_facing, vertices_read,
+    ColorState, Computation, DrawState, MAX, Pipeline, Program, STORED, Unfiltered, Vertices,
+    blend_state, reads_facing, vertices_read,
 };
 pub use question::Question;
 pub use resources::{ShadowResources, size, unfiltered};
 pub use shadow::{CheckedShadow, Shadow, ShadowError, check_value};
+pub use sides::Sides;

@@ -43,15 +43,42 @@ pub enum PackError {
     },
 }
 
+impl PackError {
+    /// The same of a value inside `name`.
+    fn within(mut self, name: &str) -> Self {
+        let (Self::Missing { member }
+        | Self::NotFinite { member }
+        | Self::Mismatch { member, .. }
+        | Self::Length { member, .. }) = &mut self;
+        let dot = match member.is_empty() || member.starts_with('[') {
+            true => "",
+            false => ".",
+        };
+        *member = format!("{name}{dot}{member}");
+        self
+    }
+}
+
 /// The bytes of a block of this layout: each member's value at the member's offset, zeros between.
 /// Values that no member reads are left out.
 ///
 /// # Errors
 /// A member without a value, or with one that is not finite, of another type or of another length.
 pub fn pack(layout: &Layout, constants: &Constants) -> Result<Vec<u8>, PackError> {
-    let mut bytes = vec![0; layout.size as usize];
-    put_members(&mut bytes, (0, ""), layout, constants)?;
+    let mut bytes = Vec::new();
+    pack_into(&mut bytes, layout, constants)?;
     Ok(bytes)
+}
+
+/// The same, into a buffer whose bytes are replaced.
+pub(crate) fn pack_into(
+    bytes: &mut Vec<u8>,
+    layout: &Layout,
+    constants: &Constants,
+) -> Result<(), PackError> {
+    bytes.clear();
+    bytes.resize(layout.size as usize, 0);
+    put_members(bytes, 0, layout, constants)
 }
 
 /// The bytes of a storage buffer, zeros between elements and members. `layout` is what the reflection
@@ -81,36 +108,32 @@ pub fn pack_buffer(
         false => (ty, layout.size),
     };
     let mut bytes = vec![0; size as usize];
-    put(&mut bytes, (0, name), &ty, value)?;
+    put(&mut bytes, 0, &ty, value).map_err(|error| error.within(name))?;
     Ok(bytes)
 }
 
-/// Where a value goes: its first byte, and what the shader calls it.
-type Place<'a> = (usize, &'a str);
-
 fn put_members(
     bytes: &mut Vec<u8>,
-    (offset, within): Place<'_>,
+    offset: usize,
     layout: &Layout,
     constants: &Constants,
 ) -> Result<(), PackError> {
     for member in &layout.members {
-        let name = match within {
-            "" => member.name.clone(),
-            within => format!("{within}.{}", member.name),
-        };
-        let Some(value) = constants.get(&member.name) else {
-            return Err(PackError::Missing { member: name });
+        let name = &member.name;
+        let Some(value) = constants.get(name) else {
+            let member = name.clone();
+            return Err(PackError::Missing { member });
         };
         let at = offset + member.offset as usize;
-        put(bytes, (at, &name), &member.ty, value)?;
+        put(bytes, at, &member.ty, value).map_err(|error| error.within(name))?;
     }
     Ok(())
 }
 
+/// Puts a value at `offset`. Names in errors begin at the value itself: callers put before it what it is called.
 fn put(
     bytes: &mut Vec<u8>,
-    (offset, name): Place<'_>,
+    offset: usize,
     ty: &MemberType,
     value: &Value,
 ) -> Result<(), PackError> {
@@ -127,7 +150,7 @@ fn put(
             // A run-time array has as many as there are, but never none.
             if given == 0 || (*count > 0 && given != *count as usize) {
                 return Err(PackError::Length {
-                    member: name.to_owned(),
+                    member: String::new(),
                     expected: describe(ty),
                     found: given,
                 });
@@ -135,25 +158,24 @@ fn put(
             let end = offset + given * stride;
             bytes.resize(bytes.len().max(end), 0);
             for (index, value) in values.iter().enumerate() {
-                let name = format!("{name}[{index}]");
-                put(bytes, (offset + index * stride, &name), element, value)?;
+                put(bytes, offset + index * stride, element, value)
+                    .map_err(|error| error.within(&format!("[{index}]")))?;
             }
             Ok(())
         }
         (MemberType::Struct(layout), Value::Struct(members)) => {
-            put_members(bytes, (offset, name), layout, members)
+            put_members(bytes, offset, layout, members)
         }
         _ => {
             let words = words(ty, value).filter(|words| offset + words.len() <= bytes.len());
             let words = words.ok_or_else(|| PackError::Mismatch {
-                member: name.to_owned(),
+                member: String::new(),
                 expected: describe(ty),
                 found: short(value),
             })?;
             if !value.is_finite() {
-                return Err(PackError::NotFinite {
-                    member: name.to_owned(),
-                });
+                let member = String::new();
+                return Err(PackError::NotFinite { member });
             }
             bytes[offset..offset + words.len()].copy_from_slice(words);
             Ok(())

@@ -3,7 +3,8 @@
 use std::{borrow::Cow, collections::BTreeSet, sync::Arc};
 
 use umbrage_compose::{
-    Binding, BindingKind, Blend, Factor, Permutation, Stage, TextureDimension, TextureSample,
+    Binding, BindingKind, Blend, Factor, Permutation, ProjectedKey, Stage, TextureDimension,
+    TextureSample,
 };
 
 use crate::Error;
@@ -41,6 +42,64 @@ impl DrawState {
         front: wgpu::FrontFace::Ccw,
         unfiltered: BTreeSet::new(),
     };
+
+    /// The same for what is mirrored, if it is. Where it makes no difference which side is the front, one pipeline serves both.
+    #[must_use]
+    pub fn facing(mut self, mirrored: bool, permutation: &Permutation) -> Self {
+        if mirrored && (self.cull.is_some() || reads_facing(permutation)) {
+            self.front = wgpu::FrontFace::Cw;
+        }
+        self
+    }
+}
+
+/// Layouts of vertex buffers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Vertices(Vec<(u64, wgpu::VertexStepMode, Vec<wgpu::VertexAttribute>)>);
+
+impl Vertices {
+    /// These layouts.
+    pub fn new(layouts: &[wgpu::VertexBufferLayout<'_>]) -> Self {
+        let owned = |layout: &wgpu::VertexBufferLayout<'_>| {
+            let attributes = layout.attributes.to_vec();
+            (layout.array_stride, layout.step_mode, attributes)
+        };
+        Self(layouts.iter().map(owned).collect())
+    }
+
+    /// The same, as a pipeline is made from them.
+    pub fn layouts(&self) -> Vec<wgpu::VertexBufferLayout<'_>> {
+        let layouts = self.0.iter();
+        let layouts = layouts.map(|(stride, step, attributes)| wgpu::VertexBufferLayout {
+            array_stride: *stride,
+            step_mode: *step,
+            attributes,
+        });
+        layouts.collect()
+    }
+}
+
+/// All that tells render pipelines apart.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct PipelineId {
+    keys: Vec<ProjectedKey>,
+    pub(crate) state: DrawState,
+    vertices: Vertices,
+}
+
+impl PipelineId {
+    /// The pipeline that draws vertices in buffers of these layouts with `permutation`.
+    pub(crate) fn new(
+        permutation: &Permutation,
+        state: DrawState,
+        vertices: &[wgpu::VertexBufferLayout<'_>],
+    ) -> Self {
+        Self {
+            keys: permutation.keys().cloned().collect(),
+            state,
+            vertices: Vertices::new(vertices),
+        }
+    }
 }
 
 /// How a pass writes colours.

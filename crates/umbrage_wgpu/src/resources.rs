@@ -7,7 +7,7 @@ use umbrage_shadow::{
     TextureDesc, TextureShape, Value,
 };
 
-use crate::{Error, Job, Unfiltered, check::bad_plan, device, program::STORED};
+use crate::{Binder, Error, Job, Unfiltered, bind::Part, check::bad_plan, device, program::STORED};
 
 /// Resources of `calc_shadow`, or of a pass of its plan: each by the name of the binding that reads it.
 #[derive(Clone, Default)]
@@ -33,10 +33,11 @@ pub struct ShadowResources {
 /// A plan's textures by name.
 pub(crate) type Textures = BTreeMap<String, (TextureDesc, wgpu::Texture)>;
 
-/// The plan's textures, those of `kept` where they are the same; and the names of those that are new.
+/// The plan's textures, those of `kept` where they are the same, to be copied where that is asked for; and the names of those
+/// that are new.
 pub(crate) fn textures(
     device: &wgpu::Device,
-    kept: &Textures,
+    (kept, copies): (&Textures, bool),
     job: &Job<'_>,
     plan: &ShadowPlan,
 ) -> Result<(Textures, BTreeSet<String>), Error> {
@@ -55,7 +56,8 @@ pub(crate) fn textures(
             Some(_) => Usage::COPY_DST,
             None => written(plan, &desc.name),
         };
-        let usage = Usage::TEXTURE_BINDING | filled;
+        let mut usage = Usage::TEXTURE_BINDING | filled;
+        usage.set(Usage::COPY_SRC, copies);
         let stored = STORED.contains(&desc.format) && desc.shape != TextureShape::Cube;
         if usage.contains(Usage::STORAGE_BINDING) && !stored {
             let problem = format!(
@@ -132,7 +134,7 @@ pub(crate) fn buffers(
 
 /// Resources of a plan, its constants and regions apart.
 pub(crate) fn resources(
-    device: &wgpu::Device,
+    binder: &mut Binder,
     plan: &ShadowPlan,
     (textures, buffers): (&Textures, &Buffers),
 ) -> ShadowResources {
@@ -146,26 +148,22 @@ pub(crate) fn resources(
     };
     let own = plan.textures.iter();
     for (desc, texture) in own.filter_map(|desc| textures.get(&desc.name)) {
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(match desc.shape {
+        let part = Part {
+            dimension: match desc.shape {
                 TextureShape::D2 => wgpu::TextureViewDimension::D2,
                 TextureShape::Array(_) => wgpu::TextureViewDimension::D2Array,
                 TextureShape::Cube => wgpu::TextureViewDimension::Cube,
-            }),
-            ..Default::default()
-        });
+            },
+            layers: [0, desc.shape.layers()],
+            level: (0, None),
+        };
+        let view = binder.view(texture, part);
         resources
             .textures
             .insert(desc.name.clone(), (desc.format, view));
     }
     for desc in &plan.samplers {
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: desc.filter,
-            min_filter: desc.filter,
-            compare: desc.compare,
-            ..Default::default()
-        });
-        let sampler = (desc.clone(), sampler);
+        let sampler = (desc.clone(), binder.plans_sampler(desc));
         resources.samplers.insert(desc.name.clone(), sampler);
     }
     for BufferDesc { name, contents } in &plan.buffers {

@@ -1,6 +1,6 @@
 //! How a light's shadow is found, as scenes, configurations and options choose it.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use umbrage_compose::Library;
 use umbrage_hints::ending;
@@ -26,19 +26,20 @@ pub struct Shadow {
 }
 
 /// A [`Shadow`] of which all is known.
-pub struct CheckedShadow<'a> {
+#[derive(Clone)]
+pub struct CheckedShadow {
     /// The parts.
-    pub choice: Choice<'a>,
+    pub choice: Choice,
     /// A value for each of the parts' axes.
     pub axes: BTreeMap<String, String>,
     /// A value for each of the parts' settings.
     pub settings: Settings,
 }
 
-impl<'a> CheckedShadow<'a> {
+impl CheckedShadow {
     /// The method.
-    pub fn method(&self) -> &'a dyn ShadowMethod {
-        self.choice.method
+    pub fn method(&self) -> &dyn ShadowMethod {
+        &*self.choice.method
     }
 
     /// Values of axes of the shader library for shaders that read this shadow of `light`.
@@ -49,6 +50,22 @@ impl<'a> CheckedShadow<'a> {
             ("method", self.method().name()),
         ];
         axes.chain(own)
+    }
+
+    /// Whether it is the same parts, not only of the same names, with the same values.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        fn same<P: ?Sized>(a: &Option<Arc<P>>, b: &Option<Arc<P>>) -> bool {
+            match (a, b) {
+                (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+                (a, b) => a.is_none() && b.is_none(),
+            }
+        }
+        let (own, others) = (&self.choice, &other.choice);
+        Arc::ptr_eq(&own.method, &others.method)
+            && same(&own.depth, &others.depth)
+            && same(&own.filter, &others.filter)
+            && self.axes == other.axes
+            && self.settings == other.settings
     }
 
     /// The frame that the parts plan for, without a camera's depth and answers.
@@ -65,12 +82,12 @@ impl<'a> CheckedShadow<'a> {
             casters: Casters {
                 casters,
                 receivers,
-                air: false,
+                air: None,
             },
             settings: &self.settings,
             axes: &self.axes,
-            depth: self.choice.depth,
-            filter: self.choice.filter,
+            depth: self.choice.depth.as_deref(),
+            filter: self.choice.filter.as_deref(),
             camera_depth: None,
             answers: Answers::none(),
         }
@@ -148,12 +165,12 @@ impl Shadow {
     ///
     /// # Errors
     /// As [`Self::check`]: for the light's own choices by themselves as well, as these hold without this.
-    pub fn over<'a>(
+    pub fn over(
         &self,
         own: Option<&Self>,
-        registry: &'a Registry,
+        registry: &Registry,
         library: &Library,
-    ) -> Result<Option<CheckedShadow<'a>>, ShadowError> {
+    ) -> Result<Option<CheckedShadow>, ShadowError> {
         let mut all = match (self.method.as_str(), own) {
             ("", None) | (Self::NONE, _) => return Ok(None),
             ("", Some(own)) => own.clone(),
@@ -190,11 +207,11 @@ impl Shadow {
     /// # Errors
     /// A part that is not registered; an axis that none of the parts has, a value that the axis has not in `library`;
     /// settings that the parts refuse.
-    pub fn check<'a>(
+    pub fn check(
         &self,
-        registry: &'a Registry,
+        registry: &Registry,
         library: &Library,
-    ) -> Result<CheckedShadow<'a>, ShadowError> {
+    ) -> Result<CheckedShadow, ShadowError> {
         let choice = self.choice(registry, library)?;
         let known = choice.axes();
         let has = |axis: &&String| known.contains(&axis.as_str());
@@ -228,11 +245,7 @@ impl Shadow {
     ///
     /// # Errors
     /// A part that is not registered, or that `library` does not have; parts that do not go together.
-    pub fn choice<'a>(
-        &self,
-        registry: &'a Registry,
-        library: &Library,
-    ) -> Result<Choice<'a>, ShadowError> {
+    pub fn choice(&self, registry: &Registry, library: &Library) -> Result<Choice, ShadowError> {
         for axis in [Choice::DEPTH, Choice::FILTER] {
             if let Some(value) = self.axes.get(axis) {
                 check_value(library, axis, value)?;

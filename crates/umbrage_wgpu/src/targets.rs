@@ -2,13 +2,55 @@
 
 use umbrage_shadow::{Blend, CasterPass, ColorTarget, ScreenPass, Slice, TextureDesc, Viewport};
 
-use crate::{ColorState, Error, MAX, check::bad_plan, execute::Execution, touches::place};
+use crate::{
+    ColorState, DrawState, Error, MAX,
+    area::{Area, Empty},
+    bind::Part,
+    check::bad_plan,
+    execute::Execution,
+    touches::place,
+};
 
 /// Targets of a render pass.
 pub(crate) struct Targets {
     /// The depth's format, its view, and how it begins.
     pub(crate) depth: Option<(wgpu::TextureFormat, wgpu::TextureView, wgpu::LoadOp<f32>)>,
     pub(crate) colors: Vec<Color>,
+}
+
+impl Targets {
+    /// Has all targets begin with what is there; the values that they would have begun with in place of that.
+    pub(crate) fn keep(&mut self) -> Option<Empty> {
+        let bits = |load: &mut wgpu::LoadOp<wgpu::Color>| match std::mem::replace(
+            load,
+            wgpu::LoadOp::Load,
+        ) {
+            wgpu::LoadOp::Clear(color) => Some((color.r as f32).to_bits()),
+            _ => None,
+        };
+        let depth = self.depth.as_mut().and_then(|(_, _, load)| {
+            match std::mem::replace(load, wgpu::LoadOp::Load) {
+                wgpu::LoadOp::Clear(depth) => Some(depth.to_bits()),
+                _ => None,
+            }
+        });
+        let colors: Vec<_> = self
+            .colors
+            .iter_mut()
+            .map(|color| bits(&mut color.load))
+            .collect();
+        let state = DrawState {
+            colors: self.colors.iter().map(|color| color.state).collect(),
+            depth: self.depth.as_ref().map(|(format, ..)| *format),
+            ..DrawState::NOTHING
+        };
+        let colors = colors.into_iter().collect::<Option<Vec<_>>>()?;
+        (depth.is_some() == state.depth.is_some()).then_some(Empty {
+            state,
+            depth,
+            colors,
+        })
+    }
 }
 
 /// A colour that a render pass draws into.
@@ -57,8 +99,8 @@ impl Execution<'_> {
     }
 
     /// A slice that a pass draws into, and which has room for `area`.
-    fn target(&self, target: &Slice, area: &Viewport) -> Result<Found, Error> {
-        let (desc, texture) = self.sliced(target)?;
+    fn target(&mut self, target: &Slice, area: &Viewport) -> Result<Found, Error> {
+        let (desc, texture) = self.sliced(target)?.clone();
         let (name, layer, level) = (&desc.name, target.layer, target.level);
         let size = [desc.width, desc.height].map(|texels| (texels >> level).max(1));
         let inside = |start: u32, extent: u32, all: u32| {
@@ -71,23 +113,22 @@ impl Execution<'_> {
             );
             return Err(self.bad(&problem));
         }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: layer,
-            array_layer_count: Some(1),
-            base_mip_level: level,
-            mip_level_count: Some(1),
-            ..Default::default()
-        });
-        Ok(Found {
-            desc: desc.clone(),
-            view,
-            size,
-        })
+        let part = Part {
+            dimension: wgpu::TextureViewDimension::D2,
+            layers: [layer, 1],
+            level: (level, Some(1)),
+        };
+        let view = self.shared.binder.view(&texture, part);
+        Ok(Found { desc, view, size })
     }
 
     /// Targets of a pass of casters.
-    pub(crate) fn caster_targets(&mut self, pass: &CasterPass) -> Result<Targets, Error> {
+    pub(crate) fn caster_targets(
+        &mut self,
+        pass: &CasterPass,
+        area: Option<Area>,
+    ) -> Result<Targets, Error> {
+        let part = area.map(|_| [pass.viewport.x, pass.viewport.y]);
         let (mut first, mut targets) = (None, Targets::NONE);
         if let Some(depth) = &pass.depth {
             let found = self.target(&depth.target, &pass.viewport)?;
@@ -99,7 +140,7 @@ impl Execution<'_> {
                 return Err(self.bad(&problem));
             }
             self.same_size(&mut first, &found)?;
-            let load = match self.begins(&depth.target) || depth.clears {
+            let load = match self.begins(&depth.target, part) || depth.clears {
                 true => wgpu::LoadOp::Clear(found.desc.empty),
                 false => wgpu::LoadOp::Load,
             };
@@ -108,7 +149,7 @@ impl Execution<'_> {
         for color in &pass.colors {
             let found = self.target(&color.target, &pass.viewport)?;
             self.same_size(&mut first, &found)?;
-            targets.colors.push(self.color(color, found)?);
+            targets.colors.push(self.color(color, found, part)?);
         }
         self.check_colors(&targets)?;
         Ok(targets)
@@ -126,11 +167,11 @@ impl Execution<'_> {
                     channels: channels(found.desc.format),
                     blend: Blend::Replace,
                 };
-                targets.colors.push(self.color(&color, found)?);
+                targets.colors.push(self.color(&color, found, None)?);
             } else if targets.depth.is_some() {
                 return Err(self.bad("a full-screen pass into two textures of depth"));
             } else {
-                let load = match self.begins(target) {
+                let load = match self.begins(target, None) {
                     true => wgpu::LoadOp::Clear(found.desc.empty),
                     false => wgpu::LoadOp::Load,
                 };
@@ -141,9 +182,9 @@ impl Execution<'_> {
         Ok(targets)
     }
 
-    /// Whether a pass is the plan's first one into a slice.
-    fn begins(&mut self, target: &Slice) -> bool {
-        self.filled.insert(place(target))
+    /// Whether a pass is the plan's first one into a slice, or into `part` of it, known by its corner.
+    fn begins(&mut self, target: &Slice, part: Option<[u32; 2]>) -> bool {
+        self.filled.insert((place(target), part))
     }
 
     /// Whether all targets of a pass are as large as the first one.
@@ -165,7 +206,12 @@ impl Execution<'_> {
     }
 
     /// A colour that a pass draws into.
-    fn color(&mut self, color: &ColorTarget, found: Found) -> Result<Color, Error> {
+    fn color(
+        &mut self,
+        color: &ColorTarget,
+        found: Found,
+        part: Option<[u32; 2]>,
+    ) -> Result<Color, Error> {
         let (name, format) = (&found.desc.name, found.desc.format);
         if !is_floats(format) {
             let problem = format!("a colour into `{name}`, which is not of floats ({format:?})");
@@ -180,7 +226,7 @@ impl Execution<'_> {
             return Err(self.bad(&problem));
         }
         let empty = f64::from(found.desc.empty);
-        let load = match self.begins(&color.target) {
+        let load = match self.begins(&color.target, part) {
             true => wgpu::LoadOp::Clear(wgpu::Color {
                 r: empty,
                 g: empty,

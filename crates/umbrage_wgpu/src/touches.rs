@@ -9,6 +9,7 @@ use umbrage_shadow::{
 
 use crate::{
     Error, ShadowResources,
+    bind::Part,
     execute::Execution,
     record::{Place, Touches},
 };
@@ -208,7 +209,7 @@ impl Execution<'_> {
 
     /// Resources of a pass whose shader is `permutation`.
     pub(crate) fn given_to(
-        &self,
+        &mut self,
         reads: &Reads,
         permutation: &Permutation,
     ) -> Result<ShadowResources, Error> {
@@ -224,13 +225,13 @@ impl Execution<'_> {
                 given.written.insert(to, buffer.clone());
             } else if let Some(value) = self.resources.buffers.get(&source.name) {
                 given.buffers.insert(to, value.clone());
-            } else if let Some((desc, texture)) = self.texture(&source.name) {
+            } else if let Some((desc, texture)) = self.texture(&source.name).cloned() {
                 let (dimension, stored) = match binding.kind {
                     BindingKind::Texture { dimension, .. } => (dimension, false),
                     BindingKind::StorageTexture { dimension, .. } => (dimension, true),
                     _ => continue,
                 };
-                let view = self.view((desc, texture), &source, (dimension, stored))?;
+                let view = self.view((&desc, &texture), &source, (dimension, stored))?;
                 given.textures.insert(to, (desc.format, view));
             }
         }
@@ -239,7 +240,7 @@ impl Execution<'_> {
 
     /// A view of a texture of this shape, as a shader binds it.
     fn view(
-        &self,
+        &mut self,
         (desc, texture): (&TextureDesc, &wgpu::Texture),
         source: &Source,
         (dimension, stored): (TextureDimension, bool),
@@ -264,14 +265,12 @@ impl Execution<'_> {
             }
         };
         let levels = (stored || source.level.is_some()).then_some(1);
-        Ok(texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(dimension),
-            base_array_layer: first,
-            array_layer_count: Some(count),
-            base_mip_level: source.level.unwrap_or(0),
-            mip_level_count: levels,
-            ..Default::default()
-        }))
+        let part = Part {
+            dimension,
+            layers: [first, count],
+            level: (source.level.unwrap_or(0), levels),
+        };
+        Ok(self.shared.binder.view(texture, part))
     }
 }
 

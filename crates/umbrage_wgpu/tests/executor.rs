@@ -10,7 +10,7 @@ use umbrage_shadow::{
 };
 use umbrage_testkit::headless;
 use umbrage_wgpu::{
-    Drawn, Draws, Error, Executed, Executor, Host, Identity, Job, Resource, Run, Shadow, device,
+    Drawn, Draws, Error, Executed, Executor, Host, Identity, Job, Run, Shadow, Sides, device,
 };
 
 const VERTEX: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
@@ -68,7 +68,7 @@ impl Host for Engine {
             .flat_map(f32::to_le_bytes)
             .collect();
         let vertices = device::buffer(gpu, "a box", wgpu::BufferUsages::VERTEX, &bytes)?;
-        let pipeline = draws.pipeline(&[], &[VERTEX], false)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[VERTEX], Sides::default())?.pipeline;
         draws.set(&pipeline)?;
         let key = &pipeline.program.permutation.key;
         let one = Constants::new().with("model", glam::Mat4::IDENTITY);
@@ -78,8 +78,10 @@ impl Host for Engine {
             bindings.any(|binding| binding.name == "instances")
         };
         let objects = (0..4).find(has).expect("a group of objects");
-        let group = pipeline.program.bind(gpu.0, objects, |binding| {
-            Resource::storage(gpu, key, binding, &one)
+        let drawn = vec![0_u32.into()].into();
+        let group = (draws.binder()).bind(&pipeline.program, objects, |binder, binding| {
+            let is_drawn = binding.name == "drawn";
+            binder.storage(key, binding, if is_drawn { &drawn } else { &one })
         })?;
         let pass = draws.pass();
         pass.set_bind_group(objects as u32, &group, &[]);

@@ -6,7 +6,7 @@ use common::{Lab, words};
 use glam::{Mat4, Vec2};
 use umbrage_shadow::{
     Answers, Blend, BufferContents, BufferDesc, CasterPass, ColorTarget, ComputePass, Constants,
-    DepthOrder, DepthTarget, Pass, Reads, ScreenPass, ShadowPlan, Slice, Source, TextureDesc,
+    Cull, DepthOrder, DepthTarget, Pass, Reads, ScreenPass, ShadowPlan, Slice, Source, TextureDesc,
     TextureShape, Value, Viewport, Workgroups,
 };
 use umbrage_wgpu::Run;
@@ -247,7 +247,7 @@ fn paint(layer: u32) -> CasterPass {
             color("rests", layer, ColorWrites::RED | ColorWrites::GREEN),
         ],
         viewport: all(2),
-        cull: None,
+        cull: Cull::Nothing,
         view_proj: depth(0.125 * (number + 1.0)),
         constants: Constants::new()
             .with("red", number)

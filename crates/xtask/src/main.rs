@@ -4,8 +4,11 @@
 //! This crate knows nothing of wgpu, so that it builds in seconds; whether the machine can render it
 //! learns from `umbrage adapter`.
 
+mod bench;
+mod benches;
 mod dawn;
 mod demo;
+mod instructions;
 mod run;
 mod setup;
 mod test;
@@ -22,12 +25,15 @@ enum Chore {
     Demo,
     /// Sets the machine up and runs all checks: what continuous integration runs.
     Test,
+    /// Runs the benchmarks and holds their figures against `crates/umbrage_bench/benches.ron`.
+    Bench(bench::Choices),
 }
 
 fn main() -> ExitCode {
     let done = match Chore::parse() {
         Chore::Demo => demo::demo(),
         Chore::Test => test::test(),
+        Chore::Bench(choices) => bench::bench(&choices),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,4 +1,4 @@
-//! Set-up: cargo's tools, a C++ compiler, and a wgpu adapter, from Mesa's software Vulkan where the machine
+//! Set-up: cargo's tools, a C++ compiler, valgrind, and a wgpu adapter, from Mesa's software Vulkan where the machine
 //! has none.
 
 use std::process::{Command, Stdio};
@@ -34,6 +34,14 @@ const COMPILER: Missing = Missing {
     name: "g++",
     packages: &["g++"],
     by_hand: "install one, and name it in CXX if it is not `c++`",
+};
+
+/// Valgrind counts instructions. Where it cannot be had, they are not counted.
+const VALGRIND: Missing = Missing {
+    what: "valgrind",
+    name: "valgrind",
+    packages: &["valgrind"],
+    by_hand: "install it",
 };
 
 /// Parts of cargo that `cargo xtask test` needs beyond building.
@@ -134,6 +142,17 @@ fn ensure_compiler(there: impl Fn() -> bool) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Installs valgrind where that needs nobody, and returns whether it is there; if not, prints what to do.
+pub(crate) fn set_up_valgrind() -> bool {
+    let there = || runs("valgrind", &["--version"]);
+    if !there()
+        && let Err(reason) = VALGRIND.install()
+    {
+        eprintln!("instructions are not counted: {reason:#}");
+    }
+    there()
 }
 
 /// Command by which a build compiles C++.
@@ -340,6 +359,7 @@ mod tests {
         for (missing, packages) in [
             (ADAPTER, "libvulkan1 mesa-vulkan-drivers"),
             (COMPILER, "g++"),
+            (VALGRIND, "valgrind"),
         ] {
             let lines = missing.commands().each_ref().map(shell_line);
             let apt = "DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=120";

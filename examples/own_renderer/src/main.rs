@@ -6,8 +6,8 @@ use std::{error::Error, sync::Arc};
 use umbrage::{
     compose::{Composer, Library, Package, Target},
     execute::{
-        self, ColorState, DrawState, Drawn, Draws, Executor, Gpu, Host, Identity, Job, Resource,
-        Shadow, device::buffer,
+        self, ColorState, DrawState, Drawn, Draws, Executor, Host, Identity, Job, Shadow, Sides,
+        device::buffer,
     },
     glam::{DVec3, Mat4, Vec3},
     shadow::{Aabb, Constants, Light, LightKind, View},
@@ -22,20 +22,21 @@ const VERTEX: VertexBufferLayout<'_> = VertexBufferLayout {
 };
 
 /// Blocks on a ground, 36 vertices each.
-struct Blocks<'a> {
-    gpu: Gpu<'a>,
+struct Blocks {
     vertices: wgpu::Buffer,
     instance: Constants,
 }
 
-impl Host for Blocks<'_> {
+impl Host for Blocks {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let pipeline = draws.pipeline(&[], &[VERTEX], false)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[VERTEX], Sides::SOLID)?.pipeline;
         draws.set(&pipeline)?;
         let instances = vec![self.instance.clone().into()].into();
-        let program = &pipeline.program;
-        let group = program.bind(self.gpu.0, 3, |binding| {
-            Resource::storage(self.gpu, &program.permutation.key, binding, &instances)
+        let drawn = vec![0_u32.into()].into();
+        let (program, key) = (&pipeline.program, &pipeline.program.permutation.key);
+        let group = draws.binder().bind(program, 3, |binder, binding| {
+            let is_drawn = binding.name == "drawn";
+            binder.storage(key, binding, if is_drawn { &drawn } else { &instances })
         })?;
         draws.pass().set_bind_group(3, &group, &[]);
         draws.pass().set_vertex_buffer(0, self.vertices.slice(..));
@@ -86,7 +87,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Vertices are the world's; positions in shaders are relative to the eye.
     let model = Mat4::from_translation(-eye.as_vec3());
     let mut blocks = Blocks {
-        gpu,
         vertices: buffer(gpu, "blocks", BufferUsages::VERTEX, &vertices)?,
         instance: Constants::new().with("model", model).with("normal", model),
     };
@@ -126,7 +126,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         keys.push(library.key(shadow.choices(&light).chain([("pass", "blocks")]))?);
     }
     // The blocks in all lights, by one shader.
-    let lit: Vec<_> = lit.iter().collect();
+    let lit: Vec<_> = lit.iter().map(Arc::as_ref).collect();
     let permutation = composer.compose_all(&keys)?.permutation;
     let state = DrawState {
         colors: vec![ColorState::new(canvas.color.format(), None)],
@@ -137,7 +137,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..DrawState::NOTHING
     };
     let pipeline = executor.pipeline(&permutation, state, &[VERTEX])?;
-    let groups = execute::groups(gpu, &pipeline.program, &lit, &[("view", &seen)])?;
+    let groups = (executor.binder()).groups(&pipeline.program, &lit, &[("view", &seen)])?;
     let mut pass = canvas.begin(&mut encoder, true);
     pass.set_pipeline(&pipeline.pipeline);
     groups.set(&mut pass);

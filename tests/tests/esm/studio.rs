@@ -159,7 +159,7 @@ impl Studio {
         Drawn {
             terms: terms[0].iter().map(|term| f64::from(*term)).collect(),
             places: (0..self.size * self.size).map(place).collect(),
-            plan: rendered.report.plans[0].clone().expect("a plan"),
+            plan: rendered.report.plans[0].as_deref().expect("a plan").clone(),
         }
     }
 

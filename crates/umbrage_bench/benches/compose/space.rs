@@ -63,7 +63,7 @@ impl Space {
                 }
             });
             let times = times.collect::<Result<Vec<_>, _>>()?;
-            keys_us.push((library.legal_keys() as f64, Spread::of(&times)));
+            keys_us.push((library.legal_keys() as f64, Spread::micros(&times)));
         }
         Ok(Self {
             keys: library.legal_keys() as f64,

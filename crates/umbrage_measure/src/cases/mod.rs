@@ -70,7 +70,7 @@ impl Case {
     ///
     /// # Errors
     /// Why it is not, as the two do not go together.
-    pub fn options(&self, variant: &Config, choice: &Choice<'_>) -> Result<RenderOptions, String> {
+    pub fn options(&self, variant: &Config, choice: &Choice) -> Result<RenderOptions, String> {
         let mut options = variant.options(self.size);
         for (axis, value) in &self.axes {
             if choice.axes().contains(axis) {

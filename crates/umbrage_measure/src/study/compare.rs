@@ -220,7 +220,7 @@ impl Run<'_> {
         };
         figures.flip = Some(subject.flip(unshadowed, &shaded)?);
         let report = &shaded.report;
-        let drawn = Drawn::of(self.scene, &report.plans);
+        let drawn = Drawn::of(report);
         let row = Row {
             scene: self.name.to_owned(),
             method: config.shadow.method.clone(),

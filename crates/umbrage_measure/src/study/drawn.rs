@@ -1,8 +1,6 @@
-//! Work in shadow maps that no load of the machine changes, counted from plans.
+//! Work in shadow maps that no load of the machine changes.
 
-use std::{borrow::Borrow, collections::HashMap, sync::Arc};
-
-use umbrage_render::{Object, Scene};
+use umbrage_render::Report;
 use umbrage_shadow::{Pass, ShadowPlan};
 
 /// What the passes of a picture's plans do, all lights together.
@@ -17,43 +15,16 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    /// Of the plans of `scene`'s lights.
-    pub(super) fn of<P: Borrow<ShadowPlan>>(scene: &Scene, plans: &[Option<P>]) -> Self {
-        let casters = casters(scene);
-        let mut drawn = Self::default();
-        for plan in plans.iter().flatten() {
-            let plan: &ShadowPlan = plan.borrow();
-            for pass in &plan.passes {
-                drawn.texels += texels(plan, pass);
-                let Pass::Casters(pass) = pass else { continue };
-                for caster in pass.casters.iter().filter_map(|index| casters.get(*index)) {
-                    drawn.triangles += caster.mesh.indices.len() as u64 / 3;
-                    drawn.vertices += caster.mesh.positions.len() as u64;
-                }
-            }
+    /// Of a picture whose maps were all drawn.
+    pub(super) fn of(report: &Report) -> Self {
+        let plans = report.plans.iter().flatten();
+        let passes = plans.flat_map(|plan| plan.passes.iter().map(|pass| texels(plan, pass)));
+        Self {
+            texels: passes.sum(),
+            triangles: report.caster_triangles,
+            vertices: report.caster_vertices,
         }
-        drawn
     }
-}
-
-/// The objects that cast, in the order in which the renderer hands them to plans: those that share a mesh and a material stand
-/// together, by their first appearance, and the mirrored ones after the others.
-fn casters(scene: &Scene) -> Vec<&Object> {
-    let (mut meshes, mut materials) = (HashMap::new(), HashMap::new());
-    let mut casters = Vec::new();
-    for object in &scene.objects {
-        let (mesh, material) = (meshes.len(), materials.len());
-        let mesh = *meshes.entry(Arc::as_ptr(&object.mesh)).or_insert(mesh);
-        let material = *materials
-            .entry(Arc::as_ptr(&object.material))
-            .or_insert(material);
-        let mirrored = object.transform.matrix3.determinant() < 0.0;
-        casters.push(((mesh, material, mirrored), object));
-    }
-    // Stable: within a batch as the scene has them.
-    casters.sort_by_key(|(batch, _)| *batch);
-    let casting = casters.into_iter().map(|(_, object)| object);
-    casting.filter(|object| object.material.casts).collect()
 }
 
 /// How many texels a pass fills: its viewport in each target, or all that a compute shader's textures hold.

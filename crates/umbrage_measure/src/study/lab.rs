@@ -305,7 +305,7 @@ impl Subject<'_> {
                 truth: &self.truth.terms[index],
                 gaps: &self.truth.gaps[index],
                 rendered: terms.get(index).map_or(&[], Vec::as_slice),
-                plan: rendered.report.plans.get(index).and_then(Option::as_ref),
+                plan: rendered.report.plans.get(index).and_then(Option::as_deref),
             })
             .collect();
         Ok(figures(

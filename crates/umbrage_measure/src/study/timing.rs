@@ -130,9 +130,9 @@ mod tests {
 
     /// The ratio as it is measured: until it is narrow.
     fn measured(pairs: &[[f64; 2]]) -> Ratio {
-        let narrow = (1..=pairs.len()).map(|taken| ratio(&pairs[..taken]));
+        let mut narrow = (1..=pairs.len()).map(|taken| ratio(&pairs[..taken]));
         let found = narrow.clone().find(Ratio::is_narrow);
-        found.or(narrow.last()).expect("pairs")
+        found.or(narrow.next_back()).expect("pairs")
     }
 
     #[test]

@@ -72,8 +72,8 @@
 
 use glam::{DVec2, Vec2};
 use umbrage_shadow::{
-    Blend, CasterPass, ColorTarget, Constants, DepthSource, Frame, MAX_SPLITS, Map, Maps, Need,
-    Part, Pass, PlanError, SamplerDesc, ScreenPass, ShadowPlan, Value,
+    Blend, CasterPass, ColorTarget, Constants, Cull, DepthSource, Frame, MAX_SPLITS, Map, Maps,
+    Need, Part, Pass, PlanError, SamplerDesc, ScreenPass, ShadowPlan, Value,
 };
 use wgpu_types::{ColorWrites, Face, Features, FilterMode, TextureFormat};
 
@@ -189,6 +189,7 @@ fn faces(plan: &mut ShadowPlan, maps: &Maps) {
                 channels: ColorWrites::RED | ColorWrites::GREEN,
                 blend: Blend::Max,
             }],
+            cull: Cull::Nothing,
             ..map.nearest(FACES, maps.order)
         })
     }));
@@ -200,7 +201,7 @@ fn side(plan: &mut ShadowPlan, maps: &Maps, target: &str, cull: Face) {
     maps.nearest(target, plan);
     for pass in &mut plan.passes[before..] {
         if let Pass::Casters(pass) = pass {
-            pass.cull = Some(cull);
+            pass.cull = Cull::Side(cull);
         }
     }
 }

@@ -57,7 +57,8 @@
 //! One fetch a pixel, or four. It is for wide filters: percentage-closer filtering takes 64 fetches at W = 15, and 4 at
 //! W = 3.
 //!
-//! The passes take each map as a whole, seen or not. An invocation finds the means about R = min(8, W + 1) texels beside
+//! The passes take of each map the cells alone that receivers in view read ([`Frame::cells`]); with air, which reads between the
+//! surfaces, all of them. An invocation finds the means about R = min(8, W + 1) texels beside
 //! each other (2 with `taper`, where maps differ in width) from the R + W − 1 texels of their windows: at W = 15, each
 //! pass 2.75 loads and `esm_across` 2.75 exponentials a texel, where each window by itself would take 15. Windows grow by
 //! sums alone; running sums, which subtract what is left behind, would lose small exponentials beside large ones.
@@ -89,8 +90,8 @@
 //! "Layered variance shadow maps", Graphics Interface 2008, and ShaderX6.
 
 use umbrage_shadow::{
-    ComputePass, Constants, Filter, Frame, Map, Maps, Need, Part, Pass, PlanError, Reads,
-    SamplerDesc, ScreenPass, Setting, ShadowPlan, Value,
+    BufferContents, BufferDesc, Cell, ComputePass, Constants, Filter, Frame, Map, Maps, Need, Part,
+    Pass, PlanError, Reads, SamplerDesc, ScreenPass, Setting, ShadowPlan, Value,
 };
 use wgpu_types::{Features, FilterMode, TextureFormat};
 
@@ -104,6 +105,9 @@ const ROWS: &str = "esm_rows";
 
 /// The filtered map, before it is rounded to half floats.
 const MEANS: &str = "esm_means";
+
+/// The list of cells that are filtered.
+const CELLS: &str = "esm_cells";
 
 /// Invocations along a workgroup's sides.
 const GROUP: u32 = 8;
@@ -189,7 +193,9 @@ impl Filter for Esm {
             exponent: self.exponent(frame)?,
             width: Width::of(frame)?,
         };
-        job.add(plan, maps);
+        let cell = job.cell(maps.side());
+        let cells = frame.cells(maps, cell)?;
+        job.add(plan, maps, &cells);
         Ok(())
     }
 }
@@ -253,7 +259,7 @@ struct Job {
 
 impl Job {
     /// Adds to `plan` what turns its depth maps into exponentials, and filters them.
-    fn add(self, plan: &mut ShadowPlan, maps: &Maps) {
+    fn add(self, plan: &mut ShadowPlan, maps: &Maps, cells: &[Cell]) {
         plan.textures
             .push(maps.texture(FILTERED, self.esm.format()));
         let tile = |i: usize| {
@@ -268,7 +274,7 @@ impl Job {
             )
         };
         let tiles = Value::Array((0..MOST_MAPS).map(tile).collect());
-        self.blur(plan, maps, &tiles);
+        self.blur(plan, maps, &tiles, cells);
         plan.constants
             .extend(Constants::new().with("esm_tiles", tiles));
         if self.esm != Esm::Log {
@@ -283,28 +289,43 @@ impl Job {
         }
     }
 
-    /// Adds what is computed: all maps along their rows, then along their columns, and then, where compute shaders cannot
-    /// write the format, each in the format.
-    fn blur(self, plan: &mut ShadowPlan, maps: &Maps, tiles: &Value) {
+    /// Adds what is computed: the cells of all maps along their rows, then along their columns, and then, where compute shaders
+    /// cannot write the format, each map in the format.
+    fn blur(self, plan: &mut ShadowPlan, maps: &Maps, tiles: &Value, cells: &[Cell]) {
         let Some(first) = maps.maps.first() else {
             return;
         };
         let side = first.tile.width;
-        let run = self.run();
-        let mut compute = |shader: &str, windows: [u32; 2], binding: &str, target: &str| {
+        let cell = self.cell(side);
+        let packed = |cell: &Cell| Value::U32(cell.column | cell.row << 12 | cell.map << 24);
+        let mut list: Vec<_> = cells.iter().map(packed).collect();
+        if list.is_empty() {
+            // A shader's list has something in it.
+            list.push(Value::U32(0));
+        }
+        let groups = [
+            cell / GROUP * (cell / GROUP) / self.run(),
+            list.len() as u32,
+            1,
+        ];
+        plan.buffers.push(BufferDesc {
+            name: CELLS.to_owned(),
+            contents: BufferContents::Value(Value::Array(list)),
+        });
+        let mut compute = |shader: &str, binding: &str, target: &str| {
             if target != FILTERED {
                 let scratch = maps.texture(target, TextureFormat::R32Float);
                 plan.textures.push(scratch);
             }
-            let [across, down] = windows.map(|each| side.div_ceil(each).div_ceil(GROUP));
             plan.passes.push(Pass::Compute(ComputePass {
                 shader: shader.to_owned(),
-                workgroups: [across, down, maps.maps.len() as u32].into(),
+                workgroups: groups.into(),
                 writes: vec![target.into()],
                 reads: Reads {
                     renamed: vec![(binding.to_owned(), target.into())],
                     constants: Constants::new()
                         .with("side", Value::U32(side))
+                        .with("cell", Value::U32(cell))
                         .with("columns", Value::U32(maps.size[0] / side))
                         .with("tiles", tiles.clone()),
                 },
@@ -313,10 +334,10 @@ impl Job {
         let rounds = self.esm == Esm::Half;
         let means = if rounds { MEANS } else { FILTERED };
         if self.width.widest > 1 {
-            compute("esm_across", [run, 1], ROWS, ROWS);
-            compute("esm_down", [1, run], FILTERED, means);
+            compute("esm_across", ROWS, ROWS);
+            compute("esm_down", FILTERED, means);
         } else {
-            compute("esm_across", [run, 1], ROWS, means);
+            compute("esm_across", ROWS, means);
         }
         for map in maps.maps.iter().filter(|_| rounds) {
             let pass = ScreenPass::new("esm_round", FILTERED, map.tile, Constants::new());
@@ -333,6 +354,13 @@ impl Job {
             wanted.clamp(2.0 * DARK, self.esm.largest_exponent())
         });
         (exponent, range.ratio())
+    }
+
+    /// Texels along a cell of maps with `side` texels: a whole number of workgroups both ways, 64 or few more, and a 128th of
+    /// the side at the least, so that there are no more cells than a dispatch may have workgroups.
+    fn cell(self, side: u32) -> u32 {
+        let group = GROUP * self.run();
+        side.div_ceil(128).max(64).next_multiple_of(group)
     }
 
     /// The windows of an invocation: as the shader has them.

@@ -45,8 +45,8 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
 use umbrage_shadow::{
     Beam, Bias, Bounds, Choice, Constants, DepthOrder, Extent, Frame, Frustum, Lens, Light,
-    LightKind, Map, MapRange, Maps, Part, PlanError, Rect, Setting, ShadowMethod, ShadowPlan,
-    Support, TextureShape, Value, Viewport,
+    LightKind, Map, MapRange, Maps, Part, Placed, PlanError, Rect, Setting, ShadowMethod,
+    ShadowPlan, Support, TextureShape, Value, Viewport,
 };
 
 use crate::filters::Width;
@@ -146,14 +146,15 @@ impl<'a> Job<'a> {
         let Some(mut seen) = Extent::of(&lens, DVec3::ZERO, receivers, &volumes) else {
             return self.unshadowed();
         };
-        let shaded = lens.around(&self.bounds.casters);
+        let casters = Placed::new(&lens, &self.bounds.casters);
+        let shaded = casters.bound().map(|bound| Rect::of(&bound));
         let Some(rect) = shaded.and_then(|shaded| shaded.intersection(&seen.rect)) else {
             return self.unshadowed();
         };
         seen.rect = rect;
-        let least = seen.precision;
+        let least = seen.precision();
         self.expand(&mut seen, least);
-        let casters = seen.take_casters(&lens, 0.0, &self.bounds.casters);
+        let casters = seen.take_casters(0.0, &casters);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let bias = Bias::new(&lens, &seen, self.depth_bias, texel, 0.0);
         self.map(&lens, &seen, casters, bias)
@@ -177,11 +178,11 @@ impl<'a> Job<'a> {
         ) else {
             return self.unshadowed();
         };
-        let least = seen.precision / seen.far;
+        let least = seen.precision() / seen.far;
         self.expand(&mut seen, least);
         let texel = seen.rect.size().max_element() / f64::from(self.resolution);
         let nearest_receiver = seen.near;
-        let casters = seen.take_casters(&lens, floor, &self.bounds.casters);
+        let casters = seen.take_casters(floor, &Placed::new(&lens, &self.bounds.casters));
         let bias = Bias::new(&lens, &seen, self.depth_bias, texel, nearest_receiver);
         self.map(&lens, &seen, casters, bias)
     }
@@ -212,7 +213,8 @@ impl<'a> Job<'a> {
         let nearest_receiver = all.near;
         all.far *= 1.0 + Extent::PADDING;
         let beams = std::array::from_fn::<_, 6, _>(|i| {
-            let beam = |_| Beam::new(&lenses[i], &face, floor, all.far, &self.bounds.casters);
+            let casters = |lens| Placed::new(lens, &self.bounds.casters);
+            let beam = |_| Beam::new(&casters(&lenses[i]), &face, floor, all.far);
             seen[i].map_or(Beam::EMPTY, beam)
         });
         let nearest = beams.iter().map(|beam| beam.near).fold(all.near, f64::min);
@@ -233,6 +235,7 @@ impl<'a> Job<'a> {
             view_proj: lens.matrix(&face, all.near, all.far),
             casters: beam.casters,
             receivers: None,
+            held: None,
             bias,
             range: MapRange::new(lens, &all, self.resolution),
         });
@@ -280,6 +283,7 @@ impl<'a> Job<'a> {
             view_proj: clip,
             casters,
             receivers: None,
+            held: None,
             bias,
             range: MapRange::new(lens, seen, self.resolution),
         };

@@ -1,6 +1,9 @@
 //! Exponential maps of an atlas's tiles: what passes make them, from what numbers, and what is refused.
 
-use glam::DVec3;
+use std::collections::BTreeSet;
+
+use glam::{DQuat, DVec2, DVec3};
+use proptest::prelude::*;
 use umbrage_shadow::*;
 use wgpu_types::{Features, TextureFormat};
 
@@ -92,7 +95,8 @@ fn tiles_are_blurred_in_two_passes() {
             ] {
                 assert_eq!(pass.writes, [Source::from(target)]);
                 assert_eq!(behind(pass, binding), target);
-                assert_eq!(groups(pass)[2] as usize, maps.len());
+                let drawn: BTreeSet<_> = cells(&plan).iter().map(|cell| cell[2]).collect();
+                assert_eq!(drawn.len(), maps.len());
                 let constants = &pass.reads.constants;
                 assert_eq!(number(constants, "side") as u32, side);
                 let columns = number(constants, "columns") as u32;
@@ -133,9 +137,26 @@ fn tiles_are_blurred_in_two_passes() {
     }
 }
 
-/// A workgroup has 8 × 8 invocations with min(8, W + 1) texels each, 2 where widths differ from map to map.
+/// The cells that are filtered: column, row, map.
+fn cells(plan: &ShadowPlan) -> Vec<[u32; 3]> {
+    let list = plan
+        .buffers
+        .iter()
+        .find(|buffer| buffer.name == "esm_cells");
+    let Some(BufferContents::Value(Value::Array(cells))) = list.map(|list| &list.contents) else {
+        panic!("no cells");
+    };
+    let cell = |cell: &Value| match cell {
+        Value::U32(cell) => [cell & 0xfff, cell >> 12 & 0xfff, cell >> 24],
+        other => panic!("{other:?}"),
+    };
+    cells.iter().map(cell).collect()
+}
+
+/// A workgroup has 8 × 8 invocations with min(8, W + 1) texels each, 2 where widths differ from map to map; so many as a cell
+/// has such parts go to each, and cells cover a tile and no more where air may be seen.
 #[test]
-fn workgroups_cover_a_tile_and_no_more() {
+fn workgroups_cover_cells_and_no_more() {
     for (width, taper, run) in [(3, "off", 4), (5, "off", 6), (15, "off", 8), (5, "on", 2)] {
         for side in [100.0, 192.0, 193.0] {
             let mut scene = scene(sun(), "esm", width);
@@ -143,10 +164,27 @@ fn workgroups_cover_a_tile_and_no_more() {
             scene.set("resolution", side);
             let plan = scene.plan().expect("a plan");
             let blurs = computed(&plan);
-            let along = (side / f64::from(8 * run)).ceil() as u32;
-            let beside = (side / 8.0).ceil() as u32;
-            assert_eq!(groups(blurs[0])[..2], [along, beside], "{width}, {side}");
-            assert_eq!(groups(blurs[1])[..2], [beside, along], "{width}, {side}");
+            for blur in &blurs {
+                let cell = number(&blur.reads.constants, "cell") as u32;
+                assert_eq!(cell % (8 * run), 0, "{width}, {side}");
+                let [parts, count, 1] = groups(blur) else {
+                    panic!("{:?}", groups(blur))
+                };
+                assert_eq!(parts * 64 * run, cell * cell, "{width}, {side}");
+                assert_eq!(count as usize, cells(&plan).len());
+            }
+            let cell = number(&blurs[0].reads.constants, "cell");
+            let mut airy = scene.clone();
+            airy.air = Some(ground(9.0));
+            let airy = airy.plan().expect("a plan");
+            let along = (side / cell).ceil() as usize;
+            let all: BTreeSet<_> = cells(&airy).into_iter().collect();
+            assert_eq!(all.len(), cells(&airy).len());
+            assert_eq!(
+                all.len(),
+                along * along * passes(&airy).len(),
+                "{width}, {side}"
+            );
             for (i, tile) in tiles(&plan).iter().enumerate() {
                 let narrower = if taper == "on" { 2 * i } else { 0 };
                 let expected = (width as usize).saturating_sub(narrower).max(1);
@@ -286,4 +324,75 @@ fn small_maps_keep_their_bias() {
     };
     assert_ne!(plan(11.0, 0.0), plan(11.0, 1.5));
     assert_eq!(plan(12.0, 0.0), plan(12.0, 1.5));
+}
+
+proptest! {
+    /// Whatever is seen of a receiver, the texels that its filtered map's fetch and their windows read are filtered; in a view
+    /// of a part of a large ground, not all are.
+    #[test]
+    fn all_that_is_read_is_filtered(
+        at in prop::collection::vec([-1.0..1.0, -1.0..1.0, -1.0..1.0], 64), yaw in -3.0..3.0, pitch in -1.2..0.3,
+        place in [-30.0..30.0, -30.0..30.0, -30.0..30.0], spot in any::<bool>(), fit in 0usize..2,
+        transition in 0usize..3, half in 0u32..8, taper in any::<bool>(),
+    ) {
+        let mut scene = scene(if spot { lamp() } else { sun() }, "esm", 2 * half + 1);
+        scene.view.position = DVec3::from(place) + DVec3::Y * 31.0;
+        scene.view.rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+        scene.choose("fit", ["stable", "tight"][fit]);
+        scene.choose("transition", ["hard", "blend", "dither"][transition]);
+        scene.choose("taper", if taper { "on" } else { "off" });
+        let plan = scene.plan()?;
+        let maps = passes(&plan);
+        if maps.is_empty() {
+            return Ok(());
+        }
+        let listed: BTreeSet<_> = cells(&plan).into_iter().collect();
+        let cell = number(&computed(&plan)[0].reads.constants, "cell");
+        let side = f64::from(maps[0].viewport.width);
+        for t in at {
+            let t = DVec3::from(t);
+            let receiver = &scene.receivers[usize::from(t.x > 0.8)];
+            let point = receiver.center() + 0.5 * t * (receiver.max - receiver.min);
+            if !scene.view.frustum().contains(point) {
+                continue;
+            }
+            let relative = point - scene.view.position;
+            let depth = relative.dot(scene.view.forward());
+            for (number, map) in (0..).zip(&maps) {
+                let [start, end] = map.receivers.unwrap_or_default();
+                let before = number > 0 && transition > 0;
+                let band = maps[(number as usize).saturating_sub(1)].receivers.unwrap_or_default();
+                let band = if before { 0.1 * (band[1] - band[0]) } else { 0.0 };
+                if !(start - band..end).contains(&depth) {
+                    continue;
+                }
+                let clip = map.view_proj.as_dmat4() * relative.extend(1.0);
+                if clip.w <= 0.0 {
+                    continue;
+                }
+                let at = DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * side;
+                if at.min_element() < 0.0 || at.max_element() > side {
+                    continue;
+                }
+                let width = f64::from(if taper { half.saturating_sub(number) } else { half }) * 2.0 + 1.0;
+                // A step aside, a fetch, and half a window.
+                let most = DVec2::splat(std::f64::consts::SQRT_2 * (0.5 * width + 0.5) + 0.5 + 0.5 * width);
+                for corner in [-most, most, DVec2::new(most.x, -most.y), DVec2::new(-most.x, most.y)] {
+                    let texel = (at + corner).clamp(DVec2::ZERO, DVec2::splat(side - 1.0));
+                    let found = (texel / cell).floor().as_uvec2();
+                    prop_assert!(listed.contains(&[found.x, found.y, number]), "{texel} of {number}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_sight_is_not_filtered() {
+    let mut scene = scene(sun(), "esm", 15);
+    scene.set("resolution", 2048.0);
+    let plan = scene.plan().expect("a plan");
+    let whole = 32 * 32 * passes(&plan).len();
+    let share = cells(&plan).len() as f64 / whole as f64;
+    assert!(share < 0.5, "{share} of all texels");
 }

@@ -385,11 +385,12 @@ fn splits_lie_where_pixels_see_something() {
         near < 5.0 && near > 4.99 && far > 20.0 && far < 20.01,
         "{near} to {far}"
     );
-    // From power of two to power of two, so that they seldom change.
+    // From one quarter of an octave to another, so that they seldom change.
     scene.choose("fit", "stable");
     let (_, near, far) = range(&scene);
+    let ends = [9.0, 18.0].map(|quarters: f64| (quarters / 4.0).exp2());
     assert!(
-        near < 4.0 && near > 3.99 && far > 32.0 && far < 32.01,
+        near < ends[0] && near > 0.999 * ends[0] && far > ends[1] && far < 1.001 * ends[1],
         "{near} to {far}"
     );
     // All at one depth: a wall.
@@ -405,10 +406,25 @@ fn splits_lie_where_pixels_see_something() {
     // No pixel sees anything.
     scene.answer([f64::MAX, 0.0]);
     assert_eq!(range(&scene).0, 0);
-    // Air is seen wherever surfaces are.
-    scene.air = true;
+    // Air is seen wherever surfaces are, and before them: the first split holds it, and the others are as without.
+    scene.air = Some(Aabb::new([-20.0; 3], [20.0; 3]));
     scene.choose("fit", "stable");
-    assert_eq!(range(&scene), boxes);
+    let (count, near, far) = range(&scene);
+    assert_eq!((count, far), (boxes.0, boxes.2));
+    assert!(near < 0.05 && near > 0.049, "{near}");
+    let ends = |scene: &Scene| -> Vec<f64> {
+        let passes = passes(&scene.plan().expect("a plan"));
+        let receivers = passes.iter().filter_map(|pass| pass.receivers);
+        receivers.map(|[_, end]| end).collect()
+    };
+    let with_air = ends(&scene);
+    scene.air = None;
+    scene.choose("range", "boxes");
+    assert_eq!(with_air, ends(&scene));
+    // Nothing but air.
+    scene.air = Some(Aabb::new([-20.0; 3], [20.0; 3]));
+    scene.receivers.clear();
+    assert_eq!(range(&scene).0, 4);
 }
 
 /// The question is a pass over the camera's depth, and nothing else; the plan that was answered has it as well, last, so that
@@ -441,7 +457,7 @@ fn what_pixels_see_is_asked() {
     let error = scene.plan().expect_err("refused").to_string();
     assert!(error.contains("is 9 bytes, but must be 8 bytes"), "{error}");
     // Air is seen wherever surfaces are: nothing is asked.
-    scene.air = true;
+    scene.air = Some(ground(20.0));
     assert!(scene.plan().expect("a plan").asks.is_empty());
 }
 

@@ -1,10 +1,9 @@
 //! Meshes and pictures on the device, kept while the scene keeps them.
 
 use std::{
-    any::Any,
     collections::HashMap,
     ops::Range,
-    sync::{Arc, Weak},
+    sync::{Arc, OnceLock, Weak},
 };
 
 use crate::{
@@ -19,12 +18,19 @@ pub(super) struct GpuMesh {
     /// None where the vertices stand in the order in which they are drawn.
     indices: Option<wgpu::Buffer>,
     count: u32,
+    /// Whether it is closed, once that was asked.
+    closed: OnceLock<bool>,
 }
 
 impl GpuMesh {
     /// The buffer of the attribute at `location`.
     pub(super) fn attribute(&self, location: u32) -> Option<&wgpu::Buffer> {
         self.attributes.get(location as usize)?.as_ref()
+    }
+
+    /// Whether `source`, which it was made from, is closed.
+    pub(super) fn is_closed(&self, source: &Mesh) -> bool {
+        *self.closed.get_or_init(|| source.is_closed())
     }
 
     /// Draws `instances` of it with what is set.
@@ -56,9 +62,6 @@ pub(super) struct Assets {
     /// Also by how they are drawn.
     meshes: HashMap<(usize, Vertices), (Weak<Mesh>, Arc<GpuMesh>)>,
     images: HashMap<usize, (Weak<Image>, wgpu::TextureView)>,
-    /// Numbers of what scenes hold, none of which is given twice.
-    numbers: HashMap<usize, (Weak<dyn Any + Send + Sync>, u64)>,
-    next_number: u64,
 }
 
 impl Assets {
@@ -68,20 +71,6 @@ impl Assets {
             .retain(|_, (source, _)| source.strong_count() > 0);
         self.images
             .retain(|_, (source, _)| source.strong_count() > 0);
-        self.numbers
-            .retain(|_, (source, _)| source.strong_count() > 0);
-    }
-
-    /// A number that nothing else has, or ever had.
-    pub(super) fn number<T: Any + Send + Sync>(&mut self, source: &Arc<T>) -> u64 {
-        if let Some((_, number)) = self.numbers.get(&address(source)) {
-            return *number;
-        }
-        self.next_number += 1;
-        let held: Weak<dyn Any + Send + Sync> = Arc::downgrade(source) as _;
-        let entry = (held, self.next_number);
-        self.numbers.insert(address(source), entry);
-        self.next_number
     }
 
     pub(super) fn mesh(
@@ -105,13 +94,13 @@ impl Assets {
     pub(super) fn image(
         &mut self,
         gpu: &Gpu,
-        what: &str,
+        what: impl Fn() -> String,
         source: &Arc<Image>,
     ) -> Result<wgpu::TextureView, RenderError> {
         if let Some((_, view)) = self.images.get(&address(source)) {
             return Ok(view.clone());
         }
-        let view = upload_image(gpu, what, source)?;
+        let view = upload_image(gpu, &what(), source)?;
         let entry = (Arc::downgrade(source), view.clone());
         self.images.insert(address(source), entry);
         Ok(view)
@@ -216,6 +205,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
                 bytemuck::cast_slice(&mesh.indices),
             )?),
             count,
+            closed: OnceLock::new(),
         }),
         Vertices::Own => Ok(GpuMesh {
             attributes: [
@@ -226,6 +216,7 @@ fn upload_mesh(gpu: &Gpu, object: &Object, vertices: Vertices) -> Result<GpuMesh
             ],
             indices: None,
             count,
+            closed: OnceLock::new(),
         }),
     }
 }
@@ -270,7 +261,7 @@ fn upload_image(gpu: &Gpu, what: &str, image: &Image) -> Result<wgpu::TextureVie
 }
 
 /// How `texture` is sampled; without one, clamped and smooth.
-pub(super) fn sampler(gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
+pub(super) fn sampler(texture: Option<&Texture>) -> wgpu::SamplerDescriptor<'static> {
     let (wrap, smooth) = texture.map_or(([Wrap::Clamp; 2], true), |texture| {
         (texture.wrap, texture.smooth)
     });
@@ -284,12 +275,12 @@ pub(super) fn sampler(gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
     } else {
         wgpu::FilterMode::Nearest
     };
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+    wgpu::SamplerDescriptor {
         address_mode_u: u,
         address_mode_v: v,
         mag_filter: magnify,
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..Default::default()
-    })
+    }
 }

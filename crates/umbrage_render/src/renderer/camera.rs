@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, time::Instant};
 
 use glam::Vec3;
+use half::slice::HalfFloatSliceExt as _;
 use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
@@ -23,8 +24,26 @@ impl Renderer {
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
     ) -> Result<Picture, RenderError> {
-        let format = wgpu::TextureFormat::Rgba16Float;
-        let target = self.target(frame, format)?;
+        let target = self.target(frame, wgpu::TextureFormat::Rgba16Float)?;
+        self.shade(frame, shot, &target)?;
+        let bytes = self.finish(frame, &target)?;
+        let halves: Vec<half::f16> = bytemuck::pod_collect_to_vec(&bytes);
+        let mut floats = vec![0.0; halves.len()];
+        halves.convert_to_f32_slice(&mut floats);
+        let pixels = floats.as_chunks::<4>().0.iter();
+        Ok(Picture::Shaded(
+            pixels.map(|&[r, g, b, _]| [r, g, b]).collect(),
+        ))
+    }
+
+    /// Records all passes of a shaded picture.
+    pub(super) fn shade(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
+        target: &Target,
+    ) -> Result<(), RenderError> {
+        let format = target.format();
         let background = shot.scene.background.as_dvec3();
         let clear = wgpu::Color {
             r: background.x,
@@ -37,16 +56,17 @@ impl Renderer {
             ambient: shot.scene.ambient,
             ..inputs(shot, base, Vec::new(), camera_state(format, base, &[]))
         };
-        let commands = self.prepare(frame, &base, &shot.visible)?;
-        self.draw(frame, &target, (base.pass, None), Some(clear), &commands);
+        let visible = frame.objects.visible();
+        let commands = self.prepare(frame, &base, &visible)?;
+        self.run(frame, target, (base.pass, None), Some(clear), &commands);
         let illumination = self.pass("illumination")?;
         let (mut masks, mut lamps) = (None, Vec::new());
         for light in &shot.lights {
-            let (lit, air) = (lit(frame, shot, light), air::lit(shot, light));
+            let (lit, air) = (lit(frame, light), air::lit(shot, light));
             if lit.is_empty() && air.is_none() {
                 continue;
             }
-            let (to, is_airy) = ((&target, false), air.is_some());
+            let (to, is_airy) = ((target, false), air.is_some());
             let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             if !lit.is_empty() && frame.options.path != Path::ForwardAll {
                 let mask = self.mask(frame, shot, to, &mut masks, (lamp.reads(), &lit))?;
@@ -54,21 +74,17 @@ impl Renderer {
                 let state = camera_state(format, illumination, &[reads]);
                 let inputs = inputs(shot, illumination, vec![reads], state);
                 let commands = self.prepare(frame, &inputs, &lit)?;
-                self.draw(frame, &target, (inputs.pass, inputs.cause), None, &commands);
+                self.run(frame, target, (inputs.pass, inputs.cause), None, &commands);
             }
             lamps.push((lamp, lit, is_airy));
         }
         if frame.options.path == Path::ForwardAll {
             let lit = lamps.iter().map(|(lamp, lit, _)| (lamp, lit.as_slice()));
-            self.add_all(frame, shot, &target, &lit.collect::<Vec<_>>())?;
+            self.add_all(frame, shot, target, &lit.collect::<Vec<_>>())?;
         }
         let airy = lamps.iter().filter(|(.., is_airy)| *is_airy);
         let airy: Vec<_> = airy.map(|(lamp, ..)| lamp).collect();
-        self.add_air(frame, shot, &target, &airy)?;
-        let bytes = self.finish(frame, &target)?;
-        let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f32();
-        let pixel = |b: &[u8]| [half(&b[0..2]), half(&b[2..4]), half(&b[4..6])];
-        Ok(Picture::Shaded(bytes.chunks_exact(8).map(pixel).collect()))
+        self.add_air(frame, shot, target, &airy)
     }
 
     /// Adds the light of all `lamps` in one pass; with each come the objects that it reaches.
@@ -97,7 +113,7 @@ impl Renderer {
             commands.extend(self.prepare_lit(frame, shot, to, &lights, &slots)?);
         }
         if !commands.is_empty() {
-            self.draw(frame, target, (pass, None), None, &commands);
+            self.run(frame, target, (pass, None), None, &commands);
         }
         Ok(())
     }
@@ -169,7 +185,7 @@ impl Renderer {
         let mut pictures = Vec::new();
         let mut masks = None;
         for light in &shot.lights {
-            let lit = lit(frame, shot, light);
+            let lit = lit(frame, light);
             let (to, air) = ((&target, true), air::lit(shot, light));
             let lamp = self.light_up(frame, shot, to, light, (&lit, air))?;
             let reads = lamp.reads();
@@ -185,16 +201,13 @@ impl Renderer {
                 self.prepare(frame, &inputs(shot, pass, vec![reads], state), &lit)?;
             // Objects that the light does not reach hide what lies behind them, are shaded by nothing, and are drawn
             // for no light's sake.
-            let unlit: Vec<_> = shot
-                .visible
-                .iter()
-                .copied()
-                .filter(|s| lit.binary_search(s).is_err())
-                .collect();
+            let seen = frame.objects.visible();
+            let unlit = seen.iter().filter(|s| lit.binary_search(s).is_err());
+            let unlit: Vec<_> = unlit.copied().collect();
             let state = camera_state(format, pass, &[]);
             commands.extend(self.prepare(frame, &inputs(shot, pass, Vec::new(), state), &unlit)?);
             let name = Some(light.source.name.as_str());
-            self.draw(frame, &target, (pass, name), Some(clear), &commands);
+            self.run(frame, &target, (pass, name), Some(clear), &commands);
             pictures.push(self.finish_floats(frame, &target)?);
         }
         Ok(pictures)
@@ -211,8 +224,9 @@ impl Renderer {
         // Surfaces seen, in no light: their depth is all that is read.
         let pass = self.pass("shadow_term")?;
         let seen = inputs(shot, pass, Vec::new(), camera_state(format, pass, &[]));
-        let commands = self.prepare(frame, &seen, &shot.visible)?;
-        self.draw(
+        let visible = frame.objects.visible();
+        let commands = self.prepare(frame, &seen, &visible)?;
+        self.run(
             frame,
             &target,
             (seen.pass, None),
@@ -226,7 +240,7 @@ impl Renderer {
                 pictures.push(vec![0.0; pixels]);
                 continue;
             };
-            let lit = lit(frame, shot, light);
+            let lit = lit(frame, light);
             let lamp = self.light_up(frame, shot, (&target, false), light, (&lit, Some(air)))?;
             self.count_shafts(frame, shot, &target, &lamp)?;
             pictures.push(self.finish_floats(frame, &target)?);
@@ -243,9 +257,10 @@ impl Renderer {
         let target = self.target(frame, PLANE)?;
         let pass = self.pass("linear_depth")?;
         let inputs = inputs(shot, pass, Vec::new(), camera_state(PLANE, pass, &[]));
-        let commands = self.prepare(frame, &inputs, &shot.visible)?;
+        let visible = frame.objects.visible();
+        let commands = self.prepare(frame, &inputs, &visible)?;
         let nothing = Some(wgpu::Color::TRANSPARENT);
-        self.draw(frame, &target, (inputs.pass, None), nothing, &commands);
+        self.run(frame, &target, (inputs.pass, None), nothing, &commands);
         let bytes = self.finish(frame, &target)?;
         let pixels = bytes.as_chunks::<16>().0.iter();
         let depths: Vec<_> = pixels
@@ -281,8 +296,9 @@ impl Renderer {
             r: NOTHING.into(),
             ..wgpu::Color::TRANSPARENT
         };
-        let commands = self.prepare(frame, &inputs, &shot.visible)?;
-        self.draw(frame, &target, (inputs.pass, None), Some(clear), &commands);
+        let visible = frame.objects.visible();
+        let commands = self.prepare(frame, &inputs, &visible)?;
+        self.run(frame, &target, (inputs.pass, None), Some(clear), &commands);
         let bytes = self.finish(frame, &target)?;
         let words = bytes.as_chunks::<4>().0.iter().copied();
         let words: Vec<_> = words.map(u32::from_le_bytes).collect();
@@ -295,11 +311,12 @@ impl Renderer {
     }
 
     fn target(
-        &self,
+        &mut self,
         frame: &FrameState<'_>,
         format: wgpu::TextureFormat,
     ) -> Result<Target, RenderError> {
-        Target::new(&self.gpu, frame.options.width, frame.options.height, format)
+        let size = [frame.options.width, frame.options.height];
+        Target::new(&self.gpu, &mut self.targets, size, format)
     }
 
     /// A light as shaders read it: draws its shadow maps, where it has a method, for the objects at `lit` and the air.
@@ -324,7 +341,7 @@ impl Renderer {
     }
 
     /// Records `pass`, drawn for a light where it names one.
-    fn draw(
+    fn run(
         &self,
         frame: &mut FrameState<'_>,
         target: &Target,
@@ -350,12 +367,8 @@ impl Renderer {
 
     /// Runs what was recorded, to its end.
     pub(super) fn submit(&self, frame: &mut FrameState<'_>) -> Result<(), RenderError> {
-        let next = self.gpu.device.create_command_encoder(&Default::default());
-        let mut encoder = std::mem::replace(&mut frame.encoder, next);
-        let times = frame.timer.resolve(&self.gpu, &mut encoder);
-        let recorded = encoder.finish();
         let started = Instant::now();
-        self.gpu.queue.submit([recorded]);
+        let times = self.send(frame);
         self.gpu.wait()?;
         frame.report.gpu_milliseconds += 1e3 * started.elapsed().as_secs_f64();
         if let Some(times) = times {
@@ -363,6 +376,16 @@ impl Renderer {
             frame.report.times.extend(times);
         }
         Ok(())
+    }
+
+    /// Submits what was recorded; the buffer that its times come to, where they are taken.
+    pub(super) fn send(&self, frame: &mut FrameState<'_>) -> Option<wgpu::Buffer> {
+        frame.objects.upload(&self.gpu);
+        let next = self.gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = std::mem::replace(&mut frame.encoder, next);
+        let times = frame.timer.resolve(&self.gpu, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        times
     }
 
     /// The same of a picture of single floats.
@@ -411,12 +434,16 @@ fn masked<'a>(reads: LightInputs<'a>, mask: Option<&'a ShadowResources>) -> Ligh
 }
 
 /// The slots of what may be seen and is reached by `light`.
-fn lit(frame: &FrameState<'_>, shot: &Shot<'_>, light: &LightSetup<'_>) -> Vec<usize> {
-    let reached = |bounds| light.source.light.reaches(bounds);
-    let slots = frame.objects.iter().filter(|(slot, object)| {
-        shot.visible.binary_search(slot).is_ok() && reached(&object.bounds)
-    });
-    slots.map(|(slot, _)| slot).collect()
+fn lit(frame: &FrameState<'_>, light: &LightSetup<'_>) -> Vec<usize> {
+    let light = &light.source.light;
+    let reached = |slot: &usize| light.reaches(&frame.objects.at(*slot).bounds);
+    frame
+        .objects
+        .visible()
+        .iter()
+        .copied()
+        .filter(reached)
+        .collect()
 }
 
 /// How the camera's passes draw: nearest wins, depth reversed, both sides of a triangle seen. A

@@ -1,22 +1,18 @@
 //! Turns a list of objects into draw commands: composes what they need, binds what it reads.
 
-use std::{collections::HashMap, ops::Range, sync::Arc};
+use std::{collections::BTreeMap, ops::Range, sync::Arc};
 
-use umbrage_compose::Permutation;
-use umbrage_wgpu::{DrawState, Pipeline, reads_facing, vertices_read};
+use umbrage_compose::{Key, Permutation};
+use umbrage_wgpu::{DrawState, Pipeline, vertices_read};
 
 use super::{
     Renderer,
     assets::{GpuMesh, layouts},
-    bind::MATERIAL,
     frame::{FrameState, LightInputs, PassInputs},
     lights,
-    objects::Run,
+    meanwhile::{StandIn, Way},
 };
-use crate::{
-    RenderError,
-    scene::{Material, Object},
-};
+use crate::{RenderError, scene::Object};
 
 /// A draw, ready to be recorded.
 pub(super) struct Command {
@@ -59,51 +55,35 @@ impl Renderer {
         inputs: &PassInputs<'_>,
         slots: &[usize],
     ) -> Result<Vec<Command>, RenderError> {
+        let draws = frame.objects.draws(&self.gpu, slots)?;
+        let instead = match self.way(frame, inputs, &draws)? {
+            Way::Wanted => None,
+            Way::StandIn(stand_in) => Some(stand_in),
+            Way::Skip => return Ok(Vec::new()),
+        };
         let mut commands = Vec::new();
-        let mut shared: HashMap<(*const Pipeline, usize), wgpu::BindGroup> = HashMap::new();
-        let mut materials: HashMap<(*const Pipeline, *const Material), wgpu::BindGroup> =
-            HashMap::new();
-        for run in frame.objects.runs(slots) {
-            let Run {
-                object,
-                mirrored,
-                instances,
-            } = run;
+        for draw in draws {
+            let (object, mirrored) = (
+                frame.objects.at(draw.first),
+                frame.objects.is_mirrored(&draw),
+            );
             if object.mesh.indices.is_empty() {
                 continue;
             }
-            let permutation = self.compose(frame, inputs, &object.name, Some(object))?;
+            let keys = self.keys(frame, inputs, Some(object), instead)?;
+            let permutation = self.compose(frame, inputs, &object.name, keys)?;
             let (_, vertices) = vertices_read(&permutation, &layouts(object));
             let locations = vertices.iter().map(|v| v.attributes[0].shader_location);
             let attributes = locations.collect();
             let pipeline = self.pipeline(&permutation, &inputs.state, mirrored, &vertices)?;
-            let mut groups = Vec::new();
-            for group in 0..pipeline.program.groups.len() {
-                let id = Arc::as_ptr(&pipeline);
-                let material = Arc::as_ptr(&object.material);
-                let known = match group {
-                    MATERIAL => materials.get(&(id, material)),
-                    _ => shared.get(&(id, group)),
-                };
-                let bound = match known {
-                    Some(bound) => Some(bound.clone()),
-                    None => self.bind(frame, inputs, &pipeline.program, group, Some(object))?,
-                };
-                if let Some(bound) = &bound {
-                    match group {
-                        MATERIAL => materials.insert((id, material), bound.clone()),
-                        _ => shared.insert((id, group), bound.clone()),
-                    };
-                }
-                groups.push(bound);
-            }
+            let groups = self.bind(frame, inputs, &pipeline.program, Some(object))?;
             let mesh = self.assets.mesh(&self.gpu, object, inputs.vertices)?;
             commands.push(Command {
                 pipeline,
                 attributes,
                 groups,
                 mesh: Some(mesh),
-                instances,
+                instances: draw.instances,
             });
         }
         frame.report.draws += commands.len() as u32;
@@ -118,9 +98,10 @@ impl Renderer {
         cause: &str,
     ) -> Result<Command, RenderError> {
         // The shader is no object's: the material has no say.
-        let permutation = self.compose(frame, inputs, cause, None)?;
+        let keys = self.keys(frame, inputs, None, None)?;
+        let permutation = self.compose(frame, inputs, cause, keys)?;
         let pipeline = self.pipeline(&permutation, &inputs.state, false, &[])?;
-        let groups = self.bind_all(frame, inputs, &pipeline.program)?;
+        let groups = self.bind(frame, inputs, &pipeline.program, None)?;
         frame.report.draws += 1;
         Ok(Command {
             pipeline,
@@ -131,28 +112,40 @@ impl Renderer {
         })
     }
 
-    /// The permutation that this pass needs for `cause` (the name that faults give), for an object where one is drawn;
-    /// composed on first need.
-    pub(super) fn compose(
+    /// Keys of the permutation that this pass needs, for an object where one is drawn; or of what stands in for it.
+    pub(super) fn keys(
         &self,
-        frame: &mut FrameState<'_>,
+        frame: &FrameState<'_>,
         inputs: &PassInputs<'_>,
-        cause: &str,
         object: Option<&Object>,
-    ) -> Result<Arc<Permutation>, RenderError> {
+        instead: Option<&StandIn>,
+    ) -> Result<Vec<Key>, RenderError> {
         let library = self.composer.library();
         let view = (frame.options, frame.orthographic);
         let key = |light: Option<&LightInputs<'_>>| {
             let light = light.map(|light| (light.setup, light.term));
-            lights::key(library, view, inputs.pass, light, object)
+            let key = lights::key(library, view, inputs.pass, light, object)?;
+            let Some(StandIn { axes, .. }) = instead else {
+                return Ok(key);
+            };
+            let mut choices: BTreeMap<_, _> = key.choices().collect();
+            choices.extend(axes.iter().map(|(axis, value)| (&**axis, &**value)));
+            Ok(library.key(choices)?)
         };
-        let keys = match inputs.lights.as_slice() {
-            [] => vec![key(None)?],
-            lights => lights
-                .iter()
-                .map(|light| key(Some(light)))
-                .collect::<Result<_, _>>()?,
-        };
+        match inputs.lights.as_slice() {
+            [] => Ok(vec![key(None)?]),
+            lights => lights.iter().map(|light| key(Some(light))).collect(),
+        }
+    }
+
+    /// The permutation of `keys`, that this pass needs for `cause` (the name that faults give); composed on first need.
+    fn compose(
+        &self,
+        frame: &mut FrameState<'_>,
+        inputs: &PassInputs<'_>,
+        cause: &str,
+        keys: Vec<Key>,
+    ) -> Result<Arc<Permutation>, RenderError> {
         if let Some(known) = frame.composed.get(&keys) {
             return Ok(Arc::clone(known));
         }
@@ -171,11 +164,7 @@ impl Renderer {
         mirrored: bool,
         vertices: &[wgpu::VertexBufferLayout<'_>],
     ) -> Result<Arc<Pipeline>, RenderError> {
-        let mut state = state.clone();
-        // Where it makes no difference which side is the front, one pipeline serves both.
-        if mirrored && (state.cull.is_some() || reads_facing(permutation)) {
-            state.front = wgpu::FrontFace::Cw;
-        }
+        let state = state.clone().facing(mirrored, permutation);
         Ok(self.executor.pipeline(permutation, state, vertices)?)
     }
 }

@@ -6,9 +6,9 @@ use std::{
 };
 
 use glam::{Mat4, Vec3};
-use umbrage_compose::{BindingKind, Composed, Key, Layout, Permutation, Purpose};
+use umbrage_compose::{Composed, Key, Permutation, Purpose};
 use umbrage_shadow::Constants;
-use umbrage_wgpu::{ColorState, DrawState, Resource, ShadowResources, Unfiltered};
+use umbrage_wgpu::{ColorState, DrawState, ShadowResources, Unfiltered};
 
 use super::{
     RenderOptions,
@@ -51,10 +51,6 @@ pub(super) struct FrameState<'a> {
     pub(super) orthographic: bool,
     /// By the full keys, so that each is asked for once.
     pub(super) composed: BTreeMap<Vec<Key>, Arc<Permutation>>,
-    /// The array of instances, by the layout of its element.
-    pub(super) instances: Vec<(Layout, wgpu::Buffer)>,
-    /// The shadow methods' storage buffers, by the light's number, the binding's name and its kind.
-    pub(super) buffers: Vec<((usize, String, BindingKind), Resource)>,
 }
 
 /// Inputs that all draws of one pass share.
@@ -84,7 +80,7 @@ pub(super) struct LightInputs<'a> {
 pub(super) struct Lamp<'a> {
     pub(super) setup: &'a LightSetup<'a>,
     pub(super) constants: Constants,
-    pub(super) shadow: Option<ShadowResources>,
+    pub(super) shadow: Option<Arc<ShadowResources>>,
 }
 
 impl Lamp<'_> {
@@ -93,7 +89,7 @@ impl Lamp<'_> {
         LightInputs {
             setup: self.setup,
             constants: &self.constants,
-            shadow: self.shadow.as_ref(),
+            shadow: self.shadow.as_deref(),
             term: Term::Method,
         }
     }
@@ -120,8 +116,6 @@ impl<'a> FrameState<'a> {
             timer,
             shadow_maps: BTreeSet::new(),
             composed: BTreeMap::new(),
-            instances: Vec::new(),
-            buffers: Vec::new(),
         }
     }
 }
@@ -156,15 +150,6 @@ pub(super) fn unfiltered(lights: &[LightInputs<'_>]) -> Unfiltered {
     let none = ShadowResources::default();
     let shadows: Vec<_> = lights.iter().map(|l| l.shadow.unwrap_or(&none)).collect();
     umbrage_wgpu::unfiltered(&shadows)
-}
-
-/// A texture's size that has a texel for each pixel of the picture.
-pub(super) fn picture_size(frame: &FrameState<'_>) -> wgpu::Extent3d {
-    wgpu::Extent3d {
-        width: frame.options.width,
-        height: frame.options.height,
-        depth_or_array_layers: 1,
-    }
 }
 
 /// Depth is only looked at.

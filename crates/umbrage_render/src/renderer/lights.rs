@@ -19,7 +19,7 @@ pub(super) struct LightSetup<'a> {
     pub(super) source: &'a SceneLight,
     /// Its number in the scene.
     pub(super) index: usize,
-    pub(super) method: Option<CheckedShadow<'a>>,
+    pub(super) method: Option<CheckedShadow>,
     /// Whether it goes through a medium.
     pub(super) in_medium: bool,
 }
@@ -59,7 +59,7 @@ const AIR_AXES: [(&str, &str); 4] = [
 pub(super) fn set_up<'a>(
     scene: &'a Scene,
     options: &RenderOptions,
-    registry: &'a Registry,
+    registry: &Registry,
     library: &Library,
 ) -> Result<Vec<LightSetup<'a>>, RenderError> {
     for (axis, value) in &options.shadow.axes {
@@ -89,12 +89,12 @@ pub(super) fn set_up<'a>(
     Ok(setups)
 }
 
-fn set_up_method<'a>(
+fn set_up_method(
     source: &SceneLight,
     options: &RenderOptions,
-    registry: &'a Registry,
+    registry: &Registry,
     library: &Library,
-) -> Result<Option<CheckedShadow<'a>>, RenderError> {
+) -> Result<Option<CheckedShadow>, RenderError> {
     let light = source.name.clone();
     let own = source.shadow.as_ref();
     let checked = options.shadow.over(own, registry, library);

@@ -10,7 +10,7 @@ use super::{
     Path, RenderOptions, Renderer, Shot,
     assets::Vertices,
     draw::record,
-    frame::{FrameState, LightInputs, PassInputs, SEEN_PLANES, picture_size, state, unfiltered},
+    frame::{FrameState, LightInputs, PassInputs, SEEN_PLANES, state, unfiltered},
     passes::NamedPass,
     target::{Target, begin},
 };
@@ -90,9 +90,8 @@ impl Renderer {
             None => self.mask_texture(frame)?,
         };
         let laid = masks.insert(laid);
-        let objects = frame.objects.iter();
-        let receivers = objects.filter(|(slot, _)| lit.binary_search(slot).is_ok());
-        let receivers: Vec<_> = receivers.map(|(_, object)| object).collect();
+        let receivers = lit.iter().map(|slot| frame.objects.at(*slot));
+        let receivers: Vec<_> = receivers.collect();
         let light = Masked {
             shot,
             reads,
@@ -110,15 +109,31 @@ impl Renderer {
         }))
     }
 
-    fn mask_texture(&self, frame: &mut FrameState<'_>) -> Result<Masks, RenderError> {
-        let size = picture_size(frame);
+    fn mask_texture(&mut self, frame: &mut FrameState<'_>) -> Result<Masks, RenderError> {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-        let mask = self.gpu.texture("the shadow mask", size, 1, TERM, usage)?;
-        frame.report.mask_bytes += TERM.theoretical_memory_footprint(size);
+        let mask = self.mask_part(frame, "the shadow mask", TERM, usage)?;
         Ok(Masks {
-            mask: mask.create_view(&Default::default()),
+            mask,
             regions: None,
         })
+    }
+
+    /// A texture of the mask path's, as large as the picture.
+    pub(super) fn mask_part(
+        &mut self,
+        frame: &mut FrameState<'_>,
+        what: &str,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> Result<wgpu::TextureView, RenderError> {
+        let size = [frame.options.width, frame.options.height];
+        let pixels = wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        };
+        frame.report.mask_bytes += format.theoretical_memory_footprint(pixels);
+        Ok(self.targets.take(&self.gpu, what, size, format, usage)?)
     }
 
     /// Fills the mask where the light's receivers are.

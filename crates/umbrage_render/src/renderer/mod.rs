@@ -7,7 +7,9 @@ mod camera;
 mod draw;
 mod frame;
 mod lights;
+mod lists;
 mod masks;
+mod meanwhile;
 mod objects;
 mod passes;
 mod regions;
@@ -23,9 +25,17 @@ use umbrage_compose::Composer;
 use umbrage_shadow::{Aabb, PlanError, Registry, View};
 use umbrage_wgpu::{Executor, Shadow};
 
-use self::{assets::Assets, frame::FrameState, lights::LightSetup, objects::Objects, timer::Timer};
+pub use self::meanwhile::{Meanwhile, StandIn};
+use self::{
+    assets::Assets,
+    frame::FrameState,
+    lights::LightSetup,
+    objects::{Kept, Objects},
+    target::{Target, Targets},
+    timer::Timer,
+};
 use crate::{
-    Gpu, RenderError, Rendered,
+    Gpu, Picture, RenderError, Rendered, Report,
     scene::{Image, Scene},
 };
 
@@ -35,6 +45,9 @@ pub struct Renderer {
     composer: Arc<Composer>,
     registry: Registry,
     assets: Assets,
+    /// The objects of the last picture.
+    objects: Kept,
+    targets: Targets,
     /// Shadow maps, and all pipelines.
     executor: Executor,
     white: Arc<Image>,
@@ -66,6 +79,8 @@ pub struct RenderOptions {
     /// Whether shadow maps are drawn though they stand already, as if all casters had moved: what a measurement of the whole
     /// cost wants.
     pub fresh: bool,
+    /// What lights' passes draw while pipelines are made that a picture needs for the first time.
+    pub meanwhile: Meanwhile,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.
     pub timed: bool,
@@ -170,6 +185,7 @@ impl Default for RenderOptions {
             path: Path::Forward,
             shaft_steps: 64,
             fresh: false,
+            meanwhile: Meanwhile::Stall,
             timed: false,
         }
     }
@@ -181,8 +197,6 @@ struct Shot<'a> {
     view: View,
     view_proj: Mat4,
     lights: Vec<LightSetup<'a>>,
-    /// Slots of what may be seen.
-    visible: Vec<usize>,
 }
 
 impl Renderer {
@@ -194,6 +208,8 @@ impl Renderer {
             composer,
             registry,
             assets: Assets::default(),
+            objects: Kept::default(),
+            targets: Targets::default(),
             executor,
             white: Arc::new(Image::white()),
             pictures: 0,
@@ -211,6 +227,79 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<Rendered, RenderError> {
         let started = Instant::now();
+        let mut rendered = self.checked(options, |renderer| {
+            let (picture, report) = renderer.picture(scene, options)?;
+            Ok(Rendered {
+                width: options.width,
+                height: options.height,
+                picture,
+                adapter: renderer.gpu.adapter().to_owned(),
+                report,
+            })
+        })?;
+        rendered.report.milliseconds = 1e3 * started.elapsed().as_secs_f64();
+        Ok(rendered)
+    }
+
+    /// Draws `scene`, [shaded](What::Shaded), into somebody's own texture, and submits that without waiting for it: a frame
+    /// of a steady loop. Linear RGB, as the texture's format takes it; opacity is 1. It waits only where a light's shadow asks
+    /// what is on the device, and takes no times.
+    ///
+    /// `view` is of all of a texture of `options`' size, of one sample, that a pass may draw into and blend.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render)'s; another kind of picture; a texture of another size.
+    ///
+    /// ```no_run
+    /// # use umbrage_render::*;
+    /// # fn frame(renderer: &mut Renderer, scene: &Scene, texture: &wgpu::Texture) -> Result<(), RenderError> {
+    /// let options = RenderOptions {
+    ///     width: texture.width(),
+    ///     height: texture.height(),
+    ///     ..RenderOptions::default()
+    /// };
+    /// let report = renderer.draw(scene, &options, &texture.create_view(&Default::default()))?;
+    /// println!("{} draws", report.draws);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        view: &wgpu::TextureView,
+    ) -> Result<Report, RenderError> {
+        let started = Instant::now();
+        let texture = view.texture();
+        let is_fit = [texture.width(), texture.height()] == [options.width, options.height]
+            && texture.sample_count() == 1
+            && options.what == What::Shaded;
+        if !is_fit {
+            return Err(RenderError::Target {
+                what: options.what,
+                expected: [options.width, options.height],
+                found: [texture.width(), texture.height()],
+                samples: texture.sample_count(),
+            });
+        }
+        let mut report = self.checked(options, |renderer| {
+            let shot = renderer.shot(scene, options)?;
+            let mut frame = renderer.frame(&shot, options, false);
+            let target = Target::onto(&renderer.gpu, &mut renderer.targets, view.clone())?;
+            renderer.shade(&mut frame, &shot, &target)?;
+            renderer.send(&mut frame);
+            Ok(renderer.end(&shot, frame))
+        })?;
+        report.milliseconds = 1e3 * started.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Does `work` for a picture, the options checked. After an error nothing is kept that may be broken by it.
+    fn checked<T>(
+        &mut self,
+        options: &RenderOptions,
+        work: impl FnOnce(&mut Self) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let (width, height) = (options.width, options.height);
         if !(1..=limit).contains(&width) || !(1..=limit).contains(&height) {
@@ -226,62 +315,30 @@ impl Renderer {
         }
         self.assets.sweep();
         self.pictures += 1;
+        self.executor.begin_frame();
+        self.targets.begin_frame();
         let gpu = Arc::clone(&self.gpu);
-        let done = gpu.check(|| self.render_unchecked(scene, options));
+        let done = gpu.check(|| work(self));
         if done.is_err() {
             // Things made along with the error may be broken.
             self.assets = Assets::default();
+            self.objects = Kept::default();
+            self.targets = Targets::default();
             self.executor.clear();
         } else if matches!(done, Ok(Err(_))) {
             // Recorded passes into shadow maps were not drawn.
             self.executor.retain(|_| false);
         }
-        let mut rendered = done??;
-        rendered.report.milliseconds = 1e3 * started.elapsed().as_secs_f64();
-        Ok(rendered)
+        done?
     }
 
-    fn render_unchecked(
+    fn picture(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-    ) -> Result<Rendered, RenderError> {
-        // The methods must outlive the borrow of what is cached beside them.
-        let registry = self.registry.clone();
-        let library = self.composer.library();
-        let lights = lights::set_up(scene, options, &registry, library)?;
-        let view = scene.view(options.width, options.height);
-        check(scene, &view)?;
-        let rays = masks::rays(&view, options);
-        let rays = match &scene.medium {
-            Some(medium) => air::constants(rays, &view, medium, options),
-            None => rays,
-        };
-        let objects = Objects::new(scene, view.position);
-        let frustum = view.frustum_relative();
-        let near = |bounds: Aabb| bounds.translate(-view.position);
-        let visible = objects
-            .iter()
-            .filter(|(_, object)| frustum.intersects(&near(object.bounds)))
-            .map(|(slot, _)| slot)
-            .collect();
-        let view_proj = view.view_proj_relative().as_mat4();
-        let shot = Shot {
-            scene,
-            view,
-            view_proj,
-            lights,
-            visible,
-        };
-        let encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut frame = FrameState::new(
-            options,
-            objects,
-            encoder,
-            Timer::new(&self.gpu, options.timed),
-            rays,
-            shot.view.projection.is_orthographic(),
-        );
+    ) -> Result<(Picture, Report), RenderError> {
+        let shot = self.shot(scene, options)?;
+        let mut frame = self.frame(&shot, options, options.timed);
         let picture = match options.what {
             What::Shaded => self.shaded(&mut frame, &shot)?,
             What::ShadowTerm => self.shadow_terms(&mut frame, &shot)?,
@@ -291,16 +348,58 @@ impl Renderer {
             What::ShaftFetches => self.shaft_fetches(&mut frame, &shot)?,
             What::Splits => self.splits(&mut frame, &shot)?,
         };
+        Ok((picture, self.end(&shot, frame)))
+    }
+
+    /// All that a picture of `scene` is rendered from, checked.
+    fn shot<'a>(&self, scene: &'a Scene, options: &RenderOptions) -> Result<Shot<'a>, RenderError> {
+        let library = self.composer.library();
+        let lights = lights::set_up(scene, options, &self.registry, library)?;
+        let view = scene.view(options.width, options.height);
+        check(scene, &view)?;
+        let view_proj = view.view_proj_relative().as_mat4();
+        Ok(Shot {
+            scene,
+            view,
+            view_proj,
+            lights,
+        })
+    }
+
+    /// The beginning of a frame.
+    fn frame<'a>(
+        &mut self,
+        shot: &Shot<'a>,
+        options: &'a RenderOptions,
+        timed: bool,
+    ) -> FrameState<'a> {
+        let view = &shot.view;
+        let rays = masks::rays(view, options);
+        let rays = match &shot.scene.medium {
+            Some(medium) => air::constants(rays, view, medium, options),
+            None => rays,
+        };
+        let kept = std::mem::take(&mut self.objects);
+        let mut objects = Objects::new(shot.scene, view.position, kept);
+        let frustum = view.frustum_relative();
+        objects.look(|bounds| frustum.intersects(&bounds.translate(-view.position)));
+        FrameState::new(
+            options,
+            objects,
+            self.gpu.device.create_command_encoder(&Default::default()),
+            Timer::new(&self.gpu, timed),
+            rays,
+            view.projection.is_orthographic(),
+        )
+    }
+
+    /// Ends a frame: keeps what the next one may use of it.
+    fn end(&mut self, shot: &Shot<'_>, mut frame: FrameState<'_>) -> Report {
         self.executor
             .retain(|light| frame.shadow_maps.contains(&light));
         frame.report.plans.resize(shot.lights.len(), None);
-        Ok(Rendered {
-            width: options.width,
-            height: options.height,
-            picture,
-            adapter: self.gpu.adapter().to_owned(),
-            report: frame.report,
-        })
+        self.objects = frame.objects.keep();
+        frame.report
     }
 }
 
@@ -318,8 +417,11 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     }
     for object in &scene.objects {
         let Aabb { min, max } = object.bounds;
+        if object.bounds.is_finite() && object.transform.is_finite() {
+            continue;
+        }
         PlanError::check(
-            object.bounds.is_finite() && object.transform.is_finite(),
+            false,
             "its box",
             format!("{min} to {max}"),
             "finite, as its transform must be",

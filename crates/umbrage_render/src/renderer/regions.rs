@@ -10,7 +10,7 @@ use umbrage_wgpu::{ColorState, DrawState, ShadowResources};
 
 use super::{
     Renderer,
-    frame::{FrameState, LightInputs, picture_size, state},
+    frame::{FrameState, LightInputs, state},
     lights::Term,
     masks::{MaskPass, Masked, Masks, TERM},
     target::DEPTH,
@@ -75,7 +75,10 @@ impl Renderer {
     ) -> Result<wgpu::TextureView, RenderError> {
         let depth = match masks.regions.clone() {
             Some(known) => known,
-            None => self.region_texture(frame)?,
+            None => {
+                let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+                self.mask_part(frame, "the regions seen", DEPTH, usage)?
+            }
         };
         masks.regions = Some(depth.clone());
         let constants = ShadowResources {
@@ -110,16 +113,6 @@ impl Renderer {
         };
         self.draw_mask(frame, by_regions, &inputs, &pass)?;
         Ok(depth)
-    }
-
-    fn region_texture(&self, frame: &mut FrameState<'_>) -> Result<wgpu::TextureView, RenderError> {
-        let size = picture_size(frame);
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let texture = self
-            .gpu
-            .texture("the regions seen", size, 1, DEPTH, usage)?;
-        frame.report.mask_bytes += DEPTH.theoretical_memory_footprint(size);
-        Ok(texture.create_view(&Default::default()))
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
     Renderer, Shot,
     assets::Vertices,
     draw::record,
-    frame::{FrameState, PLANE, PassInputs, picture_size, state},
+    frame::{FrameState, PLANE, PassInputs, state},
     passes::NamedPass,
     target::{Target, begin},
 };
@@ -25,17 +25,15 @@ impl Renderer {
         if frame.planes.is_some() {
             return Ok(());
         }
-        let size = picture_size(frame);
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-        let planes = self.gpu.texture("the planes seen", size, 1, PLANE, usage)?;
-        frame.report.mask_bytes += PLANE.theoretical_memory_footprint(size);
-        let planes = planes.create_view(&Default::default());
+        let planes = self.mask_part(frame, "the planes seen", PLANE, usage)?;
         let drawn = DrawState {
             write_depth: fresh,
             ..state(PLANE, wgpu::CompareFunction::GreaterEqual)
         };
         let inputs = inputs(shot, self.pass("linear_depth")?, drawn);
-        let commands = self.prepare(frame, &inputs, &shot.visible)?;
+        let visible = frame.objects.visible();
+        let commands = self.prepare(frame, &inputs, &visible)?;
         let mark = frame.timer.mark(
             &self.gpu,
             (inputs.pass.name, inputs.pass.purpose),

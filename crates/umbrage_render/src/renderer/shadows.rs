@@ -1,17 +1,12 @@
 //! Lights' shadows, by the executor, with the scene's objects for casters.
 
-use std::{
-    collections::{HashMap, hash_map::Entry},
-    hash::{DefaultHasher, Hash as _, Hasher as _},
-    mem,
-    sync::Arc,
-};
+use std::{mem, sync::Arc};
 
 use umbrage_compose::{Composed, Purpose};
 use umbrage_shadow::{Answers, Frame, Pass};
 use umbrage_wgpu::{
-    CameraDepth, CheckedShadow, Drawn, Draws, Executed, Host, Identity, Job, Pipeline, Run,
-    ShadowResources, Times, size,
+    Binder, CameraDepth, CheckedShadow, Drawn, Draws, Executed, Host, Job, Program, Run,
+    ShadowResources, Sides, Times, size,
 };
 
 use super::{
@@ -21,13 +16,11 @@ use super::{
     bind::Stock,
     frame::FrameState,
     lights::{self, LightSetup},
-    objects::Run as Batch,
+    lists::Draw,
+    objects::{Casters, DRAWN, INSTANCES},
     target::Target,
 };
-use crate::{
-    Gpu, RenderError,
-    scene::{Material, Object},
-};
+use crate::{RenderError, scene::Object};
 
 impl Renderer {
     /// Draws the shadow maps of a light for the objects at `receivers`, and for the air. Where parts ask what is on the
@@ -36,28 +29,32 @@ impl Renderer {
         &mut self,
         frame: &mut FrameState<'_>,
         shot: &Shot<'_>,
+        to: (&Target, bool),
+        light: (&LightSetup<'_>, &CheckedShadow),
+        receivers: (&[usize], Option<&LitAir>),
+    ) -> Result<Arc<ShadowResources>, RenderError> {
+        // They are borrowed while the frame changes.
+        let casters = mem::take(frame.objects.casters());
+        let done = self.cast_by(&casters, frame, shot, to, light, receivers);
+        *frame.objects.casters() = casters;
+        done
+    }
+
+    fn cast_by(
+        &mut self,
+        casters: &Casters,
+        frame: &mut FrameState<'_>,
+        shot: &Shot<'_>,
         (target, fresh): (&Target, bool),
-        (light, setup): (&LightSetup<'_>, &CheckedShadow<'_>),
+        (light, setup): (&LightSetup<'_>, &CheckedShadow),
         (receivers, air): (&[usize], Option<&LitAir>),
-    ) -> Result<ShadowResources, RenderError> {
-        let (mut casting, mut casters) = (Vec::new(), Vec::new());
-        let (mut caster_bounds, mut receiver_bounds) = (Vec::new(), Vec::new());
-        let mut receiver = None;
-        for (slot, object) in frame.objects.iter() {
-            if object.material.casts {
-                casting.push(slot);
-                casters.push(self.identity(object));
-                caster_bounds.push(object.bounds);
-            }
-            if receivers.binary_search(&slot).is_ok() {
-                receiver_bounds.push(object.bounds);
-                receiver = receiver.or(Some(object));
-            }
-        }
-        receiver_bounds.extend(air.and_then(|air| air.shaded));
+    ) -> Result<Arc<ShadowResources>, RenderError> {
+        let receiver = receivers.first().map(|slot| frame.objects.at(*slot));
+        let received = receivers.iter().map(|slot| frame.objects.at(*slot).bounds);
+        let received: Vec<_> = received.collect();
         let view = &shot.view;
-        let mut planned = setup.frame(view, &light.source.light, &caster_bounds, &receiver_bounds);
-        planned.casters.air = air.is_some();
+        let mut planned = setup.frame(view, &light.source.light, &casters.bounds, &received);
+        planned.casters.air = air.and_then(|air| air.shaded);
         planned.camera_depth = Some([frame.options.width, frame.options.height]);
         let constants = lights::constants(&light.source.light, view.position);
         let choices = lights::choices(frame.options, frame.orthographic);
@@ -77,7 +74,7 @@ impl Renderer {
                     answers: &answers,
                     ..planned
                 },
-                casters: &casters,
+                casters: &casters.identities,
                 choices: &choices,
                 constants: &constants,
                 camera_depth: laid.then_some(CameraDepth {
@@ -88,13 +85,13 @@ impl Renderer {
             let next = self.gpu.device.create_command_encoder(&Default::default());
             let mut encoder = mem::replace(&mut frame.encoder, next);
             let mut stage = Stage {
-                gpu: &self.gpu,
                 stock: Stock {
+                    gpu: &self.gpu,
                     assets: &mut self.assets,
                     white: &self.white,
                 },
                 frame: &mut *frame,
-                casting: &casting,
+                casting: &casters.slots,
                 light: &light.source.name,
                 cause: receiver.map_or(AIR, |object| &object.name),
                 draws: 0,
@@ -120,19 +117,6 @@ impl Renderer {
             self.gpu.read(question.buffer(), |bytes| {
                 answers = question.answer(bytes);
             })?;
-        }
-    }
-
-    /// Which caster an object is. Scenes are plain data: whatever makes it look as it does makes it another.
-    fn identity(&mut self, object: &Object) -> Identity {
-        let mut state = DefaultHasher::new();
-        self.assets.number(&object.material).hash(&mut state);
-        for number in object.transform.to_cols_array() {
-            number.to_bits().hash(&mut state);
-        }
-        Identity {
-            id: self.assets.number(&object.mesh),
-            revision: state.finish(),
         }
     }
 }
@@ -164,6 +148,7 @@ fn report(frame: &mut FrameState<'_>, executed: &Executed, draws: u32) {
                 report.kept_passes += 1;
                 continue;
             }
+            (Run::Repaired, _) => &mut report.repaired_passes,
             (Run::Recorded, Pass::Casters(_)) => &mut report.caster_passes,
             (Run::Recorded, _) => &mut report.derived_passes,
         };
@@ -178,7 +163,6 @@ fn report(frame: &mut FrameState<'_>, executed: &Executed, draws: u32) {
 
 /// The scene's objects, where a plan draws casters.
 struct Stage<'s, 'f> {
-    gpu: &'s Gpu,
     stock: Stock<'s>,
     frame: &'s mut FrameState<'f>,
     /// Slots of the casters.
@@ -192,16 +176,11 @@ struct Stage<'s, 'f> {
 
 impl Host for Stage<'_, '_> {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let slots = casters
-            .iter()
-            .filter_map(|caster| self.casting.get(*caster));
-        let mut slots: Vec<_> = slots.copied().collect();
-        slots.sort_unstable();
-        let mut groups = Groups::default();
-        for batch in self.frame.objects.runs(&slots) {
-            if !batch.object.mesh.indices.is_empty() {
-                self.draw_batch(&batch, draws, &mut groups)?;
-            }
+        // Casters are in the order of their slots.
+        let slots = casters.iter().filter_map(|i| self.casting.get(*i));
+        let slots: Vec<_> = slots.copied().collect();
+        for draw in self.frame.objects.draws(self.stock.gpu, &slots)? {
+            self.draw_batch(&draw, draws)?;
         }
         Ok(())
     }
@@ -212,7 +191,7 @@ impl Host for Stage<'_, '_> {
             Pass::Compute(pass) => (pass.shader.as_str(), true),
             other => (other.shader(), false),
         };
-        let (gpu, what) = (self.gpu, (name, Purpose::Maps));
+        let (gpu, what) = (self.stock.gpu, (name, Purpose::Maps));
         let mark = self.frame.timer.mark(gpu, what, Some(self.light), computes);
         mark.map(|mark| mark.queries())
     }
@@ -223,40 +202,35 @@ impl Host for Stage<'_, '_> {
     }
 }
 
-/// The groups of objects in one pass, by pipeline, group and material; other groups are the same for all objects.
-#[derive(Default)]
-struct Groups(HashMap<(*const Pipeline, usize, *const Material), Option<wgpu::BindGroup>>);
-
 impl Stage<'_, '_> {
-    fn draw_batch(
-        &mut self,
-        batch: &Batch<'_>,
-        draws: &mut Draws<'_, '_>,
-        groups: &mut Groups,
-    ) -> Result<(), RenderError> {
-        let object = batch.object;
+    fn draw_batch(&mut self, draw: &Draw, draws: &mut Draws<'_, '_>) -> Result<(), RenderError> {
+        let object = self.frame.objects.at(draw.first);
+        if object.mesh.indices.is_empty() {
+            return Ok(());
+        }
         let axes = lights::object_axes(object);
         let vertices = layouts(object);
-        let prepared = draws.pipeline(&axes, &vertices, batch.mirrored)?;
+        let gpu = self.stock.gpu;
+        let mesh = self.stock.assets.mesh(gpu, object, Vertices::Shared)?;
+        let sides = Sides {
+            mirrored: self.frame.objects.is_mirrored(draw),
+            // Holes show what is inside.
+            closed: object.material.alpha_cutoff.is_none() && mesh.is_closed(&object.mesh),
+        };
+        let prepared = draws.pipeline(&axes, &vertices, sides)?;
         let by = (object.name.as_str(), Some(self.light));
         self.frame.note(&prepared.composed, Purpose::Maps, by);
-        let pipeline = &prepared.pipeline;
-        draws.set(pipeline)?;
-        for group in 0..pipeline.program.groups.len() {
-            let mut bindings = pipeline.program.bindings(group);
+        let program = &prepared.pipeline.program;
+        draws.set(&prepared.pipeline)?;
+        for group in 0..program.groups.len() {
+            let mut bindings = program.bindings(group);
             if bindings.any(|binding| binding.name == "frame") {
                 continue;
             }
-            let id = (Arc::as_ptr(pipeline), group, Arc::as_ptr(&object.material));
-            let bound = match groups.0.entry(id) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(place) => place.insert(self.bind(pipeline, group, object)?),
-            };
-            if let Some(bound) = bound {
-                draws.pass().set_bind_group(group as u32, &*bound, &[]);
+            if let Some(bound) = self.bind(draws.binder(), program, group, object)? {
+                draws.pass().set_bind_group(group as u32, &bound, &[]);
             }
         }
-        let mesh = self.stock.assets.mesh(self.gpu, object, Vertices::Shared)?;
         for (slot, place) in prepared.vertices.iter().enumerate() {
             let location = vertices[*place].attributes[0].shader_location;
             if let Some(buffer) = mesh.attribute(location) {
@@ -264,23 +238,27 @@ impl Stage<'_, '_> {
                 pass.set_vertex_buffer(slot as u32, buffer.slice(..));
             }
         }
-        mesh.draw(draws.pass(), batch.instances.clone());
+        mesh.draw(draws.pass(), draw.instances.clone());
         self.draws += 1;
+        let count = draw.instances.len() as u64;
+        let report = &mut self.frame.report;
+        report.caster_triangles += count * (object.mesh.indices.len() / 3) as u64;
+        report.caster_vertices += count * object.mesh.positions.len() as u64;
         Ok(())
     }
 
     fn bind(
         &mut self,
-        pipeline: &Pipeline,
+        binder: &mut Binder,
+        program: &Program,
         group: usize,
         object: &Object,
     ) -> Result<Option<wgpu::BindGroup>, RenderError> {
-        let program = &pipeline.program;
         let key = &program.permutation.key;
-        program.bind(&self.gpu.device, group, |binding| {
+        binder.bind(program, group, |binder, binding| {
             match binding.name.as_str() {
-                "instances" => self.frame.instances(self.gpu, key, binding),
-                _ => self.stock.material(self.gpu, Some(object), key, binding),
+                INSTANCES | DRAWN => self.frame.objects.resource(self.stock.gpu, key, binding),
+                _ => self.stock.of_material(binder, Some(object), key, binding),
             }
         })
     }

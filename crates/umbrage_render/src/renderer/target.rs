@@ -5,7 +5,6 @@ use crate::{Gpu, GpuError, RenderError};
 
 /// A colour and a depth texture of the picture's size.
 pub(super) struct Target {
-    texture: wgpu::Texture,
     pub(super) color: wgpu::TextureView,
     pub(super) depth: wgpu::TextureView,
 }
@@ -51,34 +50,85 @@ pub(super) fn begin<'a>(
 /// Bytes that are read back at a time.
 const BAND: u64 = 32 << 20;
 
-impl Target {
-    pub(super) fn new(
+/// Textures as large as pictures, kept from frame to frame: in a frame each is one thing's, in the next another's.
+#[derive(Default)]
+pub(super) struct Targets {
+    frame: u64,
+    kept: Vec<Kept>,
+}
+
+struct Kept {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    /// The frame that took it last.
+    taken: u64,
+}
+
+impl Targets {
+    /// Begins a frame, when all that was recorded before is submitted: what neither of the last two frames took is let go.
+    pub(super) fn begin_frame(&mut self) {
+        self.frame += 1;
+        self.kept.retain(|kept| kept.taken + 2 >= self.frame);
+    }
+
+    /// A view of a texture that nothing else has in this frame; what it holds is not said.
+    pub(super) fn take(
+        &mut self,
         gpu: &Gpu,
-        width: u32,
-        height: u32,
+        what: &str,
+        [width, height]: [u32; 2],
         format: wgpu::TextureFormat,
-    ) -> Result<Self, RenderError> {
-        use wgpu::TextureUsages as Usage;
+        usage: wgpu::TextureUsages,
+    ) -> Result<wgpu::TextureView, GpuError> {
+        let fits = |Kept { texture, taken, .. }: &&mut Kept| {
+            *taken < self.frame
+                && [texture.width(), texture.height()] == [width, height]
+                && (texture.format(), texture.usage()) == (format, usage)
+        };
+        if let Some(kept) = self.kept.iter_mut().find(fits) {
+            kept.taken = self.frame;
+            return Ok(kept.view.clone());
+        }
         let size = wgpu::Extent3d {
             width,
             height,
             depth_or_array_layers: 1,
         };
-        let usage = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC;
-        let texture = gpu.texture("the picture", size, 1, format, usage)?;
-        let depth = gpu.texture(
-            "the picture's depth",
-            size,
-            1,
-            DEPTH,
-            Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING,
-        )?;
-        let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-        Ok(Self {
-            color: view(&texture),
-            depth: view(&depth),
+        let texture = gpu.texture(what, size, 1, format, usage)?;
+        let view = texture.create_view(&Default::default());
+        self.kept.push(Kept {
             texture,
-        })
+            view: view.clone(),
+            taken: self.frame,
+        });
+        Ok(view)
+    }
+}
+
+impl Target {
+    pub(super) fn new(
+        gpu: &Gpu,
+        targets: &mut Targets,
+        size: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> Result<Self, RenderError> {
+        use wgpu::TextureUsages as Usage;
+        let usage = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC;
+        let color = targets.take(gpu, "the picture", size, format, usage)?;
+        Self::onto(gpu, targets, color)
+    }
+
+    /// A target whose colours are somebody's own.
+    pub(super) fn onto(
+        gpu: &Gpu,
+        targets: &mut Targets,
+        color: wgpu::TextureView,
+    ) -> Result<Self, RenderError> {
+        use wgpu::TextureUsages as Usage;
+        let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
+        let size = [color.texture().width(), color.texture().height()];
+        let depth = targets.take(gpu, "the picture's depth", size, DEPTH, usage)?;
+        Ok(Self { color, depth })
     }
 
     /// Begins a pass; `clear` is the colour to begin with, none keeps what is there, depth too. `mark`
@@ -117,12 +167,12 @@ impl Target {
 
     /// The colours' format.
     pub(super) fn format(&self) -> wgpu::TextureFormat {
-        self.texture.format()
+        self.color.texture().format()
     }
 
     /// The colour texture's bytes, as [`read`] gives them.
     pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
-        read(gpu, &self.texture)
+        read(gpu, self.color.texture())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Scenes: what is to be rendered, as plain data in f64.
 
 mod bare;
+mod closed;
 mod error;
 mod file;
 mod file_lights;

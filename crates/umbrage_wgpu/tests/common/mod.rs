@@ -12,6 +12,7 @@ use umbrage_shadow::{
 use umbrage_testkit::headless;
 use umbrage_wgpu::{
     CameraDepth, Drawn, Draws, Error, Executed, Executor, Host, Identity, Job, Question, Shadow,
+    Sides,
 };
 
 type Planner = Arc<dyn Fn(&Frame<'_>) -> Result<ShadowPlan, PlanError> + Send + Sync>;
@@ -38,7 +39,7 @@ pub(crate) struct Engine;
 
 impl Host for Engine {
     fn draw(&mut self, casters: &[usize], draws: &mut Draws<'_, '_>) -> Drawn {
-        let pipeline = draws.pipeline(&[], &[], false)?.pipeline;
+        let pipeline = draws.pipeline(&[], &[], Sides::default())?.pipeline;
         draws.set(&pipeline)?;
         for _ in casters {
             draws.pass().draw(0..3, 0..1);

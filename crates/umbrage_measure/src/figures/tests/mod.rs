@@ -10,7 +10,7 @@ mod shimmer;
 use glam::{DMat4, DVec3, Vec3};
 use umbrage_render::{Object, Scene};
 use umbrage_shadow::{
-    CasterPass, DepthOrder, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
+    CasterPass, Cull, DepthOrder, Lens, Light, LightKind, Pass, Rect, ShadowPlan, Viewport,
 };
 
 use super::Sample;
@@ -59,7 +59,7 @@ fn pass(resolution: u32, view_proj: DMat4) -> Pass {
             width: resolution,
             height: resolution,
         },
-        cull: None,
+        cull: Cull::Nothing,
         view_proj: view_proj.as_mat4(),
         casters: Vec::new(),
         colors: Vec::new(),

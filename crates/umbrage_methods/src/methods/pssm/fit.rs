@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec2, DVec3};
 use umbrage_shadow::{
-    Bias, Bounds, Extent, Field, Frame, Frustum, Lens, MapRange, PlanError, Projection, Rect, View,
-    overlap, split_depths,
+    Aabb, Bias, Bounds, Extent, Field, Frame, Frustum, Lens, MapRange, Placed, PlanError,
+    Projection, Rect, Side, View, Volume, split_depths,
 };
 
 use super::{Lookup, SETTINGS, range::Range};
@@ -57,6 +57,8 @@ impl Splits {
 pub(super) struct Split {
     /// The view depths at which it begins and ends, metres.
     pub depths: [f64; 2],
+    /// Depths that its map holds: they begin in the band of the split before.
+    pub held: [f64; 2],
     /// From base space to texels of the map (y down) and depth: base · scale + offset · w.
     pub scale: DVec3,
     pub offset: DVec3,
@@ -121,7 +123,8 @@ impl<'a> Job<'a> {
 
     pub(super) fn directional(&self, direction: DVec3) -> Result<Splits, PlanError> {
         let lens = Lens::directional(direction);
-        let Some(shaded) = lens.around(&self.bounds.casters) else {
+        let all = Placed::new(&lens, &self.bounds.casters);
+        let Some(shaded) = all.bound().map(|bound| Rect::of(&bound)) else {
             return Ok(Splits {
                 base: lens.base(),
                 splits: Vec::new(),
@@ -130,16 +133,15 @@ impl<'a> Job<'a> {
         let slices = self.slices(&lens, DVec3::ZERO, None, Some(&shaded))?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
-            let least = seen.precision;
             seen.rect = if self.stable {
-                self.around_sphere(&lens, slice.held, &shaded, least, slice.inner)
+                self.around_sphere(&lens, &slice, &shaded)
             } else {
-                self.around(&seen.rect, least, slice.inner)
+                self.around(&seen.rect, seen.precision(), slice.inner)
             };
-            let casters = seen.take_casters(&lens, 0.0, &self.bounds.casters);
+            let casters = seen.take_casters(0.0, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, 0.0);
-            self.split(&lens, slice.depths, &seen, casters, bias)
+            self.split(&lens, &slice, &seen, casters, bias)
         };
         Ok(Splits {
             base: lens.base(),
@@ -157,20 +159,21 @@ impl<'a> Job<'a> {
         let lens = Lens::spot(position, direction);
         let floor = Extent::NEAREST * range;
         let cone = Frustum::from_matrix(lens.matrix(&Rect::square(angle.tan()), floor, range));
+        let all = Placed::new(&lens, &self.bounds.casters);
         let slices = self.slices(&lens, position, Some(&cone), None)?;
         let fit = |slice: Slice| {
             let mut seen = slice.seen;
-            let least = seen.precision / seen.far;
+            let least = seen.precision() / seen.far;
             seen.rect = if self.stable {
                 self.on_grid(&seen.rect, least, slice.inner)
             } else {
                 self.around(&seen.rect, least, slice.inner)
             };
             let nearest = seen.near;
-            let casters = seen.take_casters(&lens, floor, &self.bounds.casters);
+            let casters = seen.take_casters(floor, &all);
             let texel = self.texel(&seen.rect);
             let bias = Bias::new(&lens, &seen, self.depth_bias, texel, nearest);
-            self.split(&lens, slice.depths, &seen, casters, bias)
+            self.split(&lens, &slice, &seen, casters, bias)
         };
         Ok(Splits {
             base: lens.base(),
@@ -187,17 +190,26 @@ impl<'a> Job<'a> {
         cone: Option<&Frustum>,
         shaded: Option<&Rect>,
     ) -> Result<Vec<Slice>, PlanError> {
-        let Some([near, far]) = self.range(cone) else {
+        let receivers = self.in_view(cone);
+        let Some([near, far]) = self.range(&receivers) else {
             return Ok(Vec::new());
         };
-        let depths = split_depths(near, far, self.splits, self.lambda)?;
+        let mut depths = split_depths(near, far, self.splits, self.lambda)?;
+        // The first split has the air before all surfaces as well.
+        if self.bounds.air && !self.view.projection.is_orthographic() {
+            depths[0] = depths[0].min(self.beginning(receivers.depths[0]));
+        }
         let seen_in = |[near, far]: [f64; 2]| {
-            let part = self.view.part_relative(
+            let [near, far] = [
                 near * (1.0 - Extent::PADDING),
                 far * (1.0 + Extent::PADDING),
-            );
+            ];
+            let part = self.view.part_relative(near, far);
             let volumes: Vec<_> = std::iter::once(&part).chain(cone).collect();
-            let seen = Extent::of(lens, position, &self.bounds.receivers, &volumes)?;
+            let there = receivers.boxes.iter();
+            let there =
+                there.filter(|(_, [nearest, farthest])| *nearest <= far && near <= *farthest);
+            let seen = Extent::of(lens, position, there.map(|(aabb, _)| *aabb), &volumes)?;
             let rect = shaded.map_or(Some(seen.rect), |shaded| shaded.intersection(&seen.rect))?;
             Some(Extent { rect, ..seen })
         };
@@ -211,9 +223,15 @@ impl<'a> Job<'a> {
                 held[0] -= self.band * (before.depths[1] - before.depths[0]);
             }
             // A receiver seen in the band alone has the map of the split before.
-            if seen_in(depths).is_some()
-                && let Some(seen) = seen_in(held)
-            {
+            let own = seen_in(depths);
+            let seen = own.and_then(|own| {
+                if held == depths {
+                    Some(own)
+                } else {
+                    seen_in(held)
+                }
+            });
+            if let Some(seen) = seen {
                 let margin = self.frame.margin(slices.len())?;
                 let inner = f64::from(self.tile) - 2.0 * margin;
                 slices.push(Slice {
@@ -227,26 +245,52 @@ impl<'a> Job<'a> {
         Ok(slices)
     }
 
-    /// The view depths between which receivers are seen, and shadowed.
-    fn range(&self, cone: Option<&Frustum>) -> Option<[f64; 2]> {
+    /// The receivers in the camera's volume and in the `cone`.
+    fn in_view(&self, cone: Option<&Frustum>) -> InView<'_> {
         let volumes: Vec<_> = std::iter::once(&self.bounds.camera).chain(cone).collect();
+        let mut volume = Volume::new(&volumes);
         let forward = self.view.forward();
-        let receivers = self.bounds.receivers.iter();
-        let points = receivers.flat_map(|receiver| overlap(receiver, &volumes));
-        let depths = points.map(|point| point.dot(forward));
-        let [near, far] = depths.map(|depth| [depth, depth]).reduce(|a, b| {
-            let [near, far] = [a[0].min(b[0]), a[1].max(b[1])];
-            [near, far]
-        })?;
-        let Projection {
-            near: least,
-            far: most,
-            ..
-        } = self.view.projection;
+        let mut found = InView {
+            boxes: Vec::with_capacity(self.bounds.receivers.len()),
+            depths: [f64::INFINITY, f64::NEG_INFINITY],
+            surface: f64::INFINITY,
+        };
+        let surfaces = self.bounds.receivers.len() - usize::from(self.bounds.air);
+        for (i, receiver) in self.bounds.receivers.iter().enumerate() {
+            let side = volume.side(receiver);
+            if side == Side::Outside {
+                continue;
+            }
+            let depths = receiver.along(forward);
+            found.boxes.push((receiver, depths));
+            if side == Side::Inside {
+                found.add(depths);
+            } else if !found.holds(depths) {
+                for point in volume.cut(receiver) {
+                    found.add([point.dot(forward); 2]);
+                }
+            }
+            if i < surfaces {
+                found.surface = found.depths[0];
+            }
+        }
+        found
+    }
+
+    /// The view depths between which receivers are seen, and shadowed. Air that a perspective view sees before all surfaces is
+    /// none of it: pixels there are as many as behind, but hardly any light is scattered on so short a way, and splits that
+    /// began at the near plane would be too coarse for the surfaces.
+    fn range(&self, receivers: &InView<'_>) -> Option<[f64; 2]> {
+        let [nearest, far] = receivers.depths;
+        let near = match self.view.projection.field {
+            Field::Perspective { .. } if receivers.surface.is_finite() => receivers.surface,
+            _ => nearest,
+        };
         let [near, far] = match self.range {
             Range::Seen([least, most]) => [near.max(least), far.min(most)],
             Range::Boxes | Range::Unknown => [near, far],
         };
+        // Nothing is seen.
         if near > far {
             return None;
         }
@@ -256,19 +300,33 @@ impl<'a> Job<'a> {
                 let length = (far - near).max(height / 64.0);
                 steady(near, length, self.view.eye)
             }
-            Field::Perspective { .. } if self.stable => [
-                near.log2().floor().exp2().max(least) * (1.0 - Extent::PADDING),
-                far.log2().ceil().exp2().min(most) * (1.0 + Extent::PADDING),
-            ],
-            _ => [
-                near.max(least) * (1.0 - Extent::PADDING),
-                far.min(most) * (1.0 + Extent::PADDING),
-            ],
+            _ => {
+                let far = if self.stable {
+                    rounded_up(far, RANGE_STEPS)
+                } else {
+                    far
+                };
+                let most = self.view.projection.far;
+                [
+                    self.beginning(near),
+                    far.min(most) * (1.0 + Extent::PADDING),
+                ]
+            }
         };
         let far = self
             .shadow_distance
             .map_or(far, |distance| far.min(distance));
         (near < far - Extent::PADDING * far.abs()).then_some([near, far])
+    }
+
+    /// Where splits begin of what is seen from `near` on.
+    fn beginning(&self, near: f64) -> f64 {
+        let near = if self.stable && !self.view.projection.is_orthographic() {
+            rounded_down(near, RANGE_STEPS)
+        } else {
+            near
+        };
+        near.max(self.view.projection.near) * (1.0 - Extent::PADDING)
     }
 
     /// A rectangle widened by its filter's margin, and until its texels are no finer than `least`.
@@ -278,27 +336,25 @@ impl<'a> Job<'a> {
         rect.resized(size * tile / inner)
     }
 
-    /// The square on the world's grid of texels around all that the camera may see between two view depths,
-    /// wherever it looks; or around all that is `shaded`, where that is less.
-    fn around_sphere(
-        &self,
-        lens: &Lens,
-        [near, far]: [f64; 2],
-        shaded: &Rect,
-        least: f64,
-        inner: f64,
-    ) -> Rect {
-        let (middle, radius) = sphere(&self.view.projection, near, far);
+    /// The square on the world's grid of texels around all that the camera may see in a split as far away as what it does
+    /// see there, wherever it looks; or around all that is `shaded`, where that is less.
+    fn around_sphere(&self, lens: &Lens, slice: &Slice, shaded: &Rect) -> Rect {
+        let reach = rounded_up(slice.seen.reach, SIZE_STEPS);
+        let (middle, radius) = sphere(&self.view.projection, slice.held, reach);
         // Relative to the camera is where the number's digits are spent; the grid is the world's.
         let (anchor, _) = lens.place(self.bounds.origin);
         let (center, _) = lens.place(middle * self.view.forward());
-        let whole = rounded_up(shaded.size().max_element(), 8.0);
+        let whole = rounded_up(shaded.size().max_element(), SIZE_STEPS);
         let (center, size) = if whole < 2.0 * radius {
             (0.5 * (shaded.min + shaded.max), whole)
         } else {
             (center, 2.0 * radius)
         };
-        self.snapped(anchor, center, stable_texel(size, least, inner))
+        self.snapped(
+            anchor,
+            center,
+            stable_texel(size, slice.seen.precision(), slice.inner),
+        )
     }
 
     /// The square on the light's grid of texels around `rect`, its size rounded up.
@@ -328,7 +384,7 @@ impl<'a> Job<'a> {
     fn split(
         &self,
         lens: &Lens,
-        depths: [f64; 2],
+        slice: &Slice,
         seen: &Extent,
         casters: Vec<usize>,
         bias: Bias,
@@ -338,7 +394,8 @@ impl<'a> Job<'a> {
         let terms = lens.depth_terms(seen.near, seen.far);
         let rising = if lens.is_perspective() { 1.0 } else { -1.0 };
         Ok(Split {
-            depths,
+            depths: slice.depths,
+            held: slice.held,
             // Rows of texels count downwards.
             scale: DVec3::new(across.x, -across.y, rising * terms.y),
             offset: DVec3::new(-min.x * across.x, max.y * across.y, terms.x),
@@ -348,6 +405,26 @@ impl<'a> Job<'a> {
             casters,
             range: MapRange::new(lens, seen, self.tile),
         })
+    }
+}
+
+/// The receivers that may be seen.
+struct InView<'a> {
+    /// Each one's bounds, and its least and greatest view depth, metres.
+    boxes: Vec<(&'a Aabb, [f64; 2])>,
+    /// The least and the greatest view depth of what is seen of them: the first is greater where nothing is.
+    depths: [f64; 2],
+    /// The least of surfaces; infinite where none is seen.
+    surface: f64,
+}
+
+impl InView<'_> {
+    fn holds(&self, [near, far]: [f64; 2]) -> bool {
+        self.depths[0] <= near && far <= self.depths[1]
+    }
+
+    fn add(&mut self, [near, far]: [f64; 2]) {
+        self.depths = [self.depths[0].min(near), self.depths[1].max(far)];
     }
 }
 
@@ -362,12 +439,23 @@ struct Slice {
     inner: f64,
 }
 
+/// Steps to the octave by which sizes are rounded, so that they seldom change, and a texel's width with them.
+const SIZE_STEPS: f64 = 8.0;
+
+/// Steps to the octave by which a range's ends are rounded: all splits change with it.
+const RANGE_STEPS: f64 = 4.0;
+
 /// A size rounded up to one of `steps` to the octave: what changes little leaves it alone, and so does rounding, which
 /// may be a 10,000th of a texel.
 fn rounded_up(size: f64, steps: f64) -> f64 {
     const ROUNDING: f64 = 1e-8;
     let octaves = size.max(f64::MIN_POSITIVE).log2() - ROUNDING;
     ((steps * octaves).ceil() / steps).exp2()
+}
+
+/// A size rounded down to one of `steps` to the octave.
+fn rounded_down(size: f64, steps: f64) -> f64 {
+    rounded_up(size.recip(), steps).recip()
 }
 
 /// The texel of a map that holds `size` in `inner` texels, one of them to snap to; no finer than `least` rounded up to
@@ -388,13 +476,56 @@ fn steady(near: f64, length: f64, eye: f64) -> [f64; 2] {
     ]
 }
 
-/// The smallest sphere around the part of the view from `near` to `far` (view depths, metres): the depth of its middle
-/// on the camera's axis, and its radius.
-fn sphere(projection: &Projection, near: f64, far: f64) -> (f64, f64) {
-    // Squares of half the diagonal at the two ends; both are equally far from the middle, unless it is beyond `far`.
+/// The smallest sphere around what is seen from view depth `near` to `far` (metres), no farther than `reach` from a camera
+/// with a perspective: the depth of its middle on the camera's axis, and its radius.
+fn sphere(projection: &Projection, [near, far]: [f64; 2], reach: f64) -> (f64, f64) {
+    // Square of half the diagonal at a depth.
     let across = |depth: f64| 0.25 * projection.size_at(depth).length_squared();
+    let far = match projection.field {
+        // Where the view's edges are that far away. Beyond, all is nearer to a middle before it.
+        Field::Perspective { .. } => far.min(reach / (1.0 + across(1.0)).sqrt()),
+        // Its camera may stand anywhere.
+        Field::Orthographic { .. } => far,
+    };
+    if far <= near {
+        return (near, (reach * reach - near * near).max(0.0).sqrt());
+    }
+    // Both ends' rims are equally far from the middle, unless it is beyond `far`.
     let apart = 0.5 * (across(far) - across(near)) / (far - near);
     let middle = (0.5 * (near + far) + apart).min(far);
     let to = |depth: f64| (middle - depth).powi(2) + across(depth);
     (middle, to(near).max(to(far)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Whatever is seen in the split, and no farther than its reach, lies in the ball, and the ball is no larger than that of
+        /// all that may be seen there.
+        #[test]
+        fn a_sphere_holds_what_is_seen(
+            fov_y in 0.1..2.8, aspect in 0.3..3.0, near in 0.1..10.0, ratio in 1.01..9.0, reach in 1.0..4.0,
+            at in prop::collection::vec([-1.0..1.0, -1.0..1.0, 0.0..1.0], 64),
+        ) {
+            let far = near * ratio;
+            let projection = Projection { field: Field::Perspective { fov_y }, aspect, near, far };
+            let reach = near * reach;
+            let (middle, radius) = sphere(&projection, [near, far], reach);
+            let (_, whole) = sphere(&projection, [near, far], f64::INFINITY);
+            prop_assert!(radius <= whole * (1.0 + 1e-12), "{radius} {whole}");
+            for [x, y, z] in at {
+                let depth = near + z * (far - near);
+                let across = 0.5 * projection.size_at(depth) * DVec2::new(x, y);
+                let point = across.extend(depth);
+                if point.length() <= reach {
+                    let apart = point.distance(DVec3::Z * middle);
+                    prop_assert!(apart <= radius * (1.0 + 1e-12), "{apart} {radius}");
+                }
+            }
+        }
+    }
 }

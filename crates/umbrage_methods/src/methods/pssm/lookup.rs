@@ -223,6 +223,7 @@ fn map(split: &Split, tile: Viewport) -> Map {
         view_proj: split.view_proj,
         casters: split.casters.clone(),
         receivers: Some(split.depths),
+        held: Some(split.held),
         bias: split.bias,
         range: split.range,
     }

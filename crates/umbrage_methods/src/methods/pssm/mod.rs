@@ -9,6 +9,9 @@
 //! receivers and the light, with the near plane at the nearest of them. Of a spot light the maps are crops of
 //! the light's own perspective, before its division.
 //!
+//! Air is seen from the near plane on. To a perspective view, the first split holds what lies before all surfaces, which needs
+//! hardly a larger map: splits are as fine as without air.
+//!
 //! An orthographic view is split evenly, whatever `lambda` is: its pixels are as large at all depths. `stable` splits of it
 //! have one grid of texels, so that no shadow tells where they meet; `shadow_distance` counts from where its camera stands.
 //!
@@ -16,11 +19,11 @@
 //! fetches are clamped to the tile besides.
 //!
 //! Two ways to fit, the axis `fit`:
-//! - `stable`: a map is a square around the split's bounding sphere, whose size depends on neither the place
-//!   of the camera nor where it looks. Its corner stands on a grid of texels that is fixed in the world, in f64. So
+//! - `stable`: a map is a square around the sphere of all that the camera may see in the split, as far away as what it does see
+//!   there, wherever it looks. Its corner stands on a grid of texels that is fixed in the world, in f64. So
 //!   a texel covers the same part of the world from frame to frame, and edges do not crawl. Where all casters
-//!   lie in less than the sphere, the square is theirs, rounded up to an eighth of an octave. The range's ends
-//!   are rounded outwards to powers of two: they seldom change. Of a spot light, the square around the receivers is
+//!   lie in less than the sphere, the square is theirs. Sizes seldom change: distances and squares are rounded up to an eighth of an
+//!   octave, and the range's ends outwards to a quarter of one. Of a spot light, the square around the receivers is
 //!   rounded up to a power of √2, on a grid that is fixed to the light.
 //! - `tight`: the rectangle of the receivers seen in the split, as far as casters lie in it, and the range as it is. Texels are finer, and
 //!   follow the view from frame to frame.
@@ -29,8 +32,8 @@
 //! with the axis `range` at `depths`, the range ends where pixels see something: a first plan reduces the camera's depth to
 //! two numbers and asks for them, and the second one splits what lies between (after Lauritzen, Salvi and Lefohn 2011,
 //! "Sample distribution shadow maps", of which this is the range alone). It costs a pass over the camera's depth for each
-//! light, and a wait within the frame where the engine waits; and splits move with what is seen, by powers of two where the
-//! fit is `stable`. Where air is a receiver, boxes bound the range: it is seen from the near plane on.
+//! light, and a wait within the frame where the engine waits; and splits move with what is seen, by quarters of an octave where
+//! the fit is `stable`. Where air is a receiver, boxes bound the range.
 //!
 //! # Settings and axes
 //! `splits`, `lambda`, `shadow_distance` (metres), `resolution` (texels along a tile), `depth_bias` (texels of the

@@ -26,7 +26,7 @@ impl Range {
     pub(super) fn of(frame: &Frame<'_>) -> Result<Self, PlanError> {
         let ranges = [("boxes", false), ("depths", true)];
         // Air is seen from the near plane on, wherever surfaces are.
-        if !frame.choice("range", &ranges)? || frame.casters.air {
+        if !frame.choice("range", &ranges)? || frame.casters.air.is_some() {
             return Ok(Self::Boxes);
         }
         Ok(seen(frame)?.map_or(Self::Unknown, Self::Seen))
