@@ -29,7 +29,7 @@ pub enum Meanwhile {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandIn {
     /// Values of axes in place of the wanted ones. They must read what the wanted ones read, as narrower filters do of a
-    /// method.
+    /// method: maps and bias are those of what is wanted.
     pub axes: BTreeMap<String, String>,
     /// How far their shadow terms may be off those of what they stand in for, root mean square over a picture: as whoever
     /// chose them has measured. The [report](crate::Report::stand_in_error) tells it.
