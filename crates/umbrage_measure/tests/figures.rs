@@ -218,9 +218,10 @@ fn each_fault_is_put_down_to_its_cause() {
         );
 
         let lifted = of(&[], &[("depth_bias", 30.0)]);
-        assert!(lifted.peter_panning > 4.0 * sound.peter_panning, "{name}");
-        // Of thin things, it lights the backs first, where nobody sees it.
-        assert!(lifted.back_facing > sound.back_facing, "{name}");
+        // Of thin things, a bias lights the backs first, where nobody sees it.
+        let let_through = |figures: &Figures| figures.peter_panning + figures.back_facing;
+        assert!(let_through(&lifted) > 4.0 * let_through(&sound), "{name}");
+        assert!(lifted.peter_panning > 2.0 * sound.peter_panning, "{name}");
         assert_eq!(lifted.acne, 0.0, "{name}");
         // Hardly anything that the bias lets through is taken for a leak.
         assert!(lifted.leak < 0.01 * lifted.peter_panning, "{name}");
