@@ -9,7 +9,7 @@ use serde::Serialize;
 /// The interval is that of order statistics, which asks nothing of how the ratios are distributed (David and Nagaraja 2003,
 /// "Order Statistics", section 7.1): as many of n independent ratios lie below the median as coins show heads, so that
 /// the k-th least and the k-th greatest have it between them but in two tails of that distribution. The tails are at most
-/// [`DOUBT`] each time; a measurement that goes on until the interval is narrow looks many times, and its interval holds in 95
+/// `DOUBT` each time; a measurement that goes on until the interval is narrow looks many times, and its interval holds in 95
 /// of 100.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {
@@ -85,7 +85,7 @@ impl Default for Ratio {
     }
 }
 
-/// The greatest k for which the median of n lies between the k-th least and the k-th greatest of them, but for [`DOUBT`];
+/// The greatest k for which the median of n lies between the k-th least and the k-th greatest of them, but for `DOUBT`;
 /// none where n is too small, below 7.
 fn rank(n: usize) -> Option<usize> {
     // The probability of so many heads among n coins, in the logarithm, as 2^-n is no number of f64 for long.
