@@ -50,7 +50,8 @@ impl<K> Board<K> {
 }
 
 impl<K: Clone + Eq + Hash + Send + Sync + 'static, V: Send + 'static> Workers<K, V> {
-    /// Workers that make things by `make`, which does not panic; at most so many things wait for them.
+    /// Workers that make things by `make`, which does not panic; at most so many things wait for them, or to be
+    /// collected.
     pub(crate) fn new(most: usize, make: impl Fn(&K) -> V + Send + Sync + 'static) -> Self {
         let (send, made) = mpsc::channel();
         Self {
@@ -88,7 +89,9 @@ impl<K: Clone + Eq + Hash + Send + Sync + 'static, V: Send + 'static> Workers<K,
         state
             .waiting
             .insert(key.clone(), Rank { frame, seen, came });
-        let least = (state.waiting.len() > self.most)
+        // What was made and is not collected takes room as well, but for what threads have in hand.
+        let room = self.most + self.threads.len();
+        let least = (state.waiting.len() + state.begun.len() > room)
             .then(|| state.waiting.iter().min_by_key(|(_, rank)| **rank))
             .flatten()
             .map(|(key, _)| key.clone());
