@@ -174,7 +174,7 @@ fn frame(boxes: usize, order: Order, moving: bool) -> Result<Work> {
     let mut renderer = Renderer::new(nothing()?, composer, umbrage::methods::registry()?);
     let mut scene = field(boxes, order);
     let options = RenderOptions {
-        // What is read back is no part of it.
+        // Reading back is no part of it.
         width: 64,
         height: 64,
         shadow: Shadow::new("pssm").with("pcf", "3"),

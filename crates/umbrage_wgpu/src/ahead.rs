@@ -57,7 +57,7 @@ pub struct Backlog {
 /// A pipeline, made by a worker.
 type Made = Result<(PipelineId, Arc<Pipeline>), Error>;
 
-/// What is known of a wish.
+/// State of a wish.
 enum Known {
     Waiting,
     Made(PipelineId),

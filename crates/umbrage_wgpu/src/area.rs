@@ -118,7 +118,7 @@ impl Shadower {
         let span = |[start, end]: [f64; 2], extent: f64, first: u32| {
             let start = (start - GRID).floor().clamp(0.0, extent);
             let end = (end + GRID).ceil().clamp(0.0, extent);
-            // What is no number is everywhere.
+            // A bound that is no number is everywhere.
             let [start, end] = if start <= end {
                 [start, end]
             } else {

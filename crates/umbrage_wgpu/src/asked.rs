@@ -73,7 +73,7 @@ impl Asked {
     fn is(&self, job: &Job<'_>) -> bool {
         let frame = job.frame;
         let mut choices = self.choices.iter().zip(job.choices);
-        // What costs little to compare comes first.
+        // Cheap comparisons come first.
         self.view == *frame.view
             && self.light == *frame.light
             && self.air == frame.casters.air

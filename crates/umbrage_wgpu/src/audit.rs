@@ -4,7 +4,7 @@ use umbrage_shadow::TextureDesc;
 
 use crate::{Error, Executed, Executor, Host, Job, size};
 
-/// What stood in a light's textures, and what was drawn anew, on the way to the engine.
+/// Contents of a light's textures as they stood, and as drawn anew, on the way to the engine.
 ///
 /// A caster that changed without another [revision](crate::Identity::revision) or other bounds, and one whose triangles lie
 /// outside its bounds, show as a texture that differs.

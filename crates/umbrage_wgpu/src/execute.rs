@@ -100,7 +100,7 @@ pub(crate) struct Shared {
     pub(crate) copies: bool,
     pipelines: Kept<PipelineId, Arc<Pipeline>>,
     computations: Kept<(Keys, Unfiltered), Arc<Computation>>,
-    /// What makes a part of targets empty.
+    /// Pipelines that make a part of targets empty.
     emptied: HashMap<Empty, wgpu::RenderPipeline>,
 }
 
@@ -302,7 +302,7 @@ impl Executor {
     /// waits, comes first what a later frame asked for, and then that of which more is `seen`: pixels, say, or objects. A
     /// frame asks again for what it still wants. Asked for long before it is needed, nothing need wait for it.
     ///
-    /// What is ready is had by [`pipeline`](Self::pipeline), from the permutation that the composer has by now, at the cost of
+    /// A pipeline that is ready is had by [`pipeline`](Self::pipeline), from the permutation that the composer has by now, at the cost of
     /// two look-ups.
     ///
     /// # Errors
@@ -328,7 +328,7 @@ impl Executor {
         }
     }
 
-    /// What binds the resources of shaders, the engine's own among them.
+    /// The binder of shaders' resources, the engine's own among them.
     pub fn binder(&mut self) -> &mut Binder {
         &mut self.shared.binder
     }

@@ -144,7 +144,7 @@ impl<'e> Draws<'_, 'e> {
         Ok(groups)
     }
 
-    /// What binds the resources of the engine's own groups.
+    /// The binder, for the engine's own groups.
     pub fn binder(&mut self) -> &mut Binder {
         &mut self.shared.binder
     }

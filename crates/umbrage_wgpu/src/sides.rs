@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 use umbrage_shadow::{Aabb, CasterPass, Cull};
 use wgpu::{CompareFunction, Face};
 
-/// What tells which sides of a caster a light can see.
+/// Properties that tell which sides of a caster a light can see.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sides {
     /// Whether its transform mirrors: its fronts are wound the other way then.

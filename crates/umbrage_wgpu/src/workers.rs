@@ -89,7 +89,7 @@ impl<K: Clone + Eq + Hash + Send + Sync + 'static, V: Send + 'static> Workers<K,
         state
             .waiting
             .insert(key.clone(), Rank { frame, seen, came });
-        // What was made and is not collected takes room as well, but for what threads have in hand.
+        // Things made and not collected take room as well, but for what threads have in hand.
         let room = self.most + self.threads.len();
         let least = (state.waiting.len() + state.begun.len() > room)
             .then(|| state.waiting.iter().min_by_key(|(_, rank)| **rank))

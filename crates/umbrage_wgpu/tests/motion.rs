@@ -146,7 +146,7 @@ impl Stage {
         }
     }
 
-    /// What became of the light's passes, and which of its textures differ from what drawing them as a whole gives.
+    /// Outcome of the light's passes, and which of its textures differ from what drawing them as a whole gives.
     fn audit(&mut self, shadow: &Shadow, kind: &LightKind, set: &Set) -> (Vec<Run>, Vec<String>) {
         let light = Light {
             kind: kind.clone(),
@@ -298,7 +298,7 @@ fn faces_of_a_cube() {
 
 #[test]
 fn filtered_maps() {
-    // What a filter makes of a map is made anew where the map changes.
+    // A filter's work on a map is done anew where the map changes.
     check(small("basic").with("filter", "esm"), sun(), 5);
 }
 

@@ -97,7 +97,7 @@ pub(super) fn page(report: &Report, pictures: &[Pictures]) -> Result<String, Rep
     .into_string())
 }
 
-/// What there is room for beside truths of so many bytes: first where the front is wrong, then its other pictures, then where
+/// Pictures that there is room for beside truths of so many bytes: first where the front is wrong, then its other pictures, then where
 /// the rest is wrong.
 fn shown(report: &Report, pictures: &[Pictures], truths: usize) -> Vec<Shown> {
     // Base64 makes four characters of three bytes.

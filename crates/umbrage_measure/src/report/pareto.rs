@@ -137,7 +137,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is off the front has something on it that is for certain no dearer and errs no more.
+        /// A point off the front has something on it that is for certain no dearer and errs no more.
         #[test]
         fn each_point_off_the_front_is_beaten_by_one_on_it(
             points in prop::collection::vec((coordinate(), 0.0..2.0, coordinate()), 1..24)

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// How many times as long as its baseline a configuration takes: the median of ratios, each of one pair of pictures drawn one
 /// after the other, and an interval in which the true median lies.
 ///
-/// What else the machine does lengthens both pictures of a pair, or one of them; the median leaves single mishaps out.
+/// Other work of the machine lengthens both pictures of a pair, or one of them; the median leaves single mishaps out.
 /// The interval is that of order statistics, which asks nothing of how the ratios are distributed (David and Nagaraja 2003,
 /// "Order Statistics", section 7.1): as many of n independent ratios lie below the median as coins show heads, so that
 /// the k-th least and the k-th greatest have it between them but in two tails of that distribution. The tails are at most

@@ -362,7 +362,7 @@ mod tests {
             .collect();
         lines.push(vec![None, Some(&only)]);
         let lines: Vec<_> = lines.iter().map(Vec::as_slice).collect();
-        // What was drawn in one scene alone sets the mark there, but serves nobody.
+        // A configuration drawn in one scene alone sets the mark there, but serves nobody.
         let multiples = |lines: &[&[Option<&Row>]]| -> Vec<_> {
             let found = in_all_scenes(lines).into_iter();
             found

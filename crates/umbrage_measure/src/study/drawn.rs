@@ -3,7 +3,7 @@
 use umbrage_render::Report;
 use umbrage_shadow::{Pass, ShadowPlan};
 
-/// What the passes of a picture's plans do, all lights together.
+/// Work of the passes of a picture's plans, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Drawn {
     /// Texels that passes fill, in each of their targets: a texel that two passes fill counts twice.

@@ -327,7 +327,7 @@ fn small_maps_keep_their_bias() {
 }
 
 proptest! {
-    /// Whatever is seen of a receiver, the texels that its filtered map's fetch and their windows read are filtered; in a view
+    /// Wherever a receiver is seen, the texels that its filtered map's fetch and their windows read are filtered; in a view
     /// of a part of a large ground, not all are.
     #[test]
     fn all_that_is_read_is_filtered(

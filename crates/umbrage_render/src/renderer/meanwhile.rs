@@ -12,7 +12,7 @@ use super::{
 };
 use crate::RenderError;
 
-/// What a light's pass draws until the pipelines of all its objects are made. Passes that lay down depth, that fill or
+/// Choice of what a light's pass draws until the pipelines of all its objects are made. Passes that lay down depth, that fill or
 /// compute maps, that cover the picture or that add up several lights are waited for in any case.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Meanwhile {

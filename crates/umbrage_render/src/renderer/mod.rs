@@ -79,7 +79,7 @@ pub struct RenderOptions {
     /// Whether shadow maps are drawn though they stand already, as if all casters had moved: what a measurement of the whole
     /// cost wants.
     pub fresh: bool,
-    /// What lights' passes draw while pipelines are made that a picture needs for the first time.
+    /// Drawing of lights' passes while pipelines are made that a picture needs for the first time.
     pub meanwhile: Meanwhile,
     /// Whether the device takes the time of each pass, for [`Report::times`](crate::Report::times):
     /// that costs a little time itself.

@@ -97,7 +97,7 @@ impl<'a> Objects<'a> {
         Self { scene, kept }
     }
 
-    /// What the next frame needs of it.
+    /// State that the next frame needs.
     pub(super) fn keep(self) -> Kept {
         self.kept
     }

@@ -504,7 +504,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Whatever is seen in the split, and no farther than its reach, lies in the ball, and the ball is no larger than that of
+        /// A point seen in the split, and no farther than its reach, lies in the ball, and the ball is no larger than that of
         /// all that may be seen there.
         #[test]
         fn a_sphere_holds_what_is_seen(
