@@ -1,7 +1,7 @@
 //! The scene that a key's permutation is drawn in: small, with a caster of each kind, and lit from
 //! where its shadows cross each other and slant steeply.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use umbrage::{
@@ -194,10 +194,21 @@ fn light(
             let value = value(axis).unwrap_or("");
             (axis.to_owned(), value.to_owned())
         });
+        // Bounds of maps do not pay in pictures so small, but are to be seen.
+        let wanted = [
+            ("resolution", f64::from(resolution)),
+            ("always_bounded", 1.0),
+        ];
+        let known = choice.settings();
+        let wanted = wanted
+            .into_iter()
+            .filter(|(name, _)| known.iter().any(|s| s.name == *name));
         Shadow {
             method: method.to_owned(),
             axes: axes.collect(),
-            settings: BTreeMap::from([("resolution".to_owned(), f64::from(resolution))]),
+            settings: wanted
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
         }
     });
     SceneLight {

@@ -7,7 +7,7 @@ use umbrage_compose::Purpose;
 use umbrage_render::{Path, Picture, RenderOptions, Rendered, Renderer, Scene};
 
 const SUN: &str = r#"(name: "sun", kind: directional(direction: (0.6, -1, -0.4)), intensity: 2.0,
-    shadow: (method: "pssm", axes: {"filter": "hpsm"}, settings: {"resolution": 256})),"#;
+    shadow: (method: "pssm", axes: {"filter": "hpsm"}, settings: {"resolution": 256, "always_bounded": 1})),"#;
 const SPOT: &str = r#"(name: "spot", kind: spot(position: (2, 5, 3.5), target: (0, 0.3, -0.3), inner_degrees: 24,
     outer_degrees: 30, range: 20), color: (0.4, 0.6, 1.0), intensity: 90,
     shadow: (method: "basic", axes: {"filter": "esm", "pcf": "7"}, settings: {"resolution": 256})),"#;

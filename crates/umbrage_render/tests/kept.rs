@@ -10,13 +10,15 @@ use umbrage_render::{Picture, RenderOptions, Renderer, Report, Scene, Shadow, Wh
 use umbrage_shadow::LightKind;
 
 fn options(method: &str, axes: &[(&str, &str)]) -> RenderOptions {
-    let axes = axes.iter();
-    let shadow = Shadow::new(method).with_setting("resolution", 128.0);
+    let mut shadow = Shadow::new(method).with_setting("resolution", 128.0);
+    if axes.contains(&("filter", "hpsm")) {
+        shadow = shadow.with_setting("always_bounded", 1.0);
+    }
     RenderOptions {
         width: 96,
         height: 64,
         what: What::ShadowTerm,
-        shadow: axes.fold(shadow, |shadow, (a, v)| shadow.with(a, v)),
+        shadow: axes.iter().fold(shadow, |shadow, (a, v)| shadow.with(a, v)),
         ..RenderOptions::default()
     }
 }
@@ -178,6 +180,8 @@ fn other_lights_keep_their_maps() {
     let [first, _] = runs(&render(&mut renderer, &scene, &all));
     if let Some(shadow) = &mut scene.lights[1].shadow {
         shadow.axes.insert("filter".to_owned(), "hpsm".to_owned());
+        let always = ("always_bounded".to_owned(), 1.0);
+        shadow.settings.extend([always]);
     }
     let [run, kept] = runs(&render(&mut renderer, &scene, &all));
     // The map stands, and bounds of it are made.

@@ -7,15 +7,16 @@ use umbrage_render::{Decision, Path, Picture, Rendered, Renderer, Scene, What};
 
 use crate::timing::{SCENES, Times, Way, draw, load, median, time};
 
-/// Filters and their widths, each width's plain one first.
-const CONFIGS: [(&str, &str); 7] = [
-    ("pcf", "15"),
-    ("hpsm", "15"),
-    ("hpsm_naive", "15"),
-    ("min_max", "15"),
-    ("min_max_tree", "15"),
-    ("pcf", "7"),
-    ("hpsm", "7"),
+/// Filters, their widths, and whether bounds are built in any case: the plain filter of each width first.
+const CONFIGS: [(&str, &str, bool); 8] = [
+    ("pcf", "15", false),
+    ("hpsm", "15", false),
+    ("hpsm_naive", "15", false),
+    ("min_max", "15", false),
+    ("min_max_tree", "15", false),
+    ("pcf", "7", false),
+    ("hpsm", "7", false),
+    ("hpsm", "7", true),
 ];
 
 #[derive(Serialize)]
@@ -24,6 +25,8 @@ pub(crate) struct Report {
     /// in the masks' path: once for each pixel, of what is seen there.
     hpsm15_over_pcf15: f64,
     hpsm7_over_pcf7: f64,
+    /// With bounds that the filter's own rule does not build, as they would not pay.
+    hpsm7_bounded_over_pcf7: f64,
     /// The same where objects are drawn one after another, with what they hide and each triangle's rim.
     hpsm15_over_pcf15_forward: f64,
     hpsm7_over_pcf7_forward: f64,
@@ -56,8 +59,8 @@ struct Forward {
     over_pcf: f64,
 }
 
-/// The whole filter's place among the configurations, and the planes', of both widths.
-const PAIRS: [[usize; 2]; 2] = [[0, 1], [5, 6]];
+/// The whole filter's place among the configurations, and the planes': of both widths, and built in any case.
+const PAIRS: [[usize; 2]; 3] = [[0, 1], [5, 6], [5, 7]];
 
 pub(crate) fn measure(
     renderer: &mut Renderer,
@@ -65,7 +68,7 @@ pub(crate) fn measure(
 ) -> Result<Report, Box<dyn Error>> {
     let mut bounds = BTreeMap::new();
     // For each path and width the whole filter's time, and the planes'.
-    let mut sums = [[[0.0; 2]; 2]; 2];
+    let mut sums = [[[0.0; 2]; PAIRS.len()]; 2];
     for name in SCENES {
         let scene = load(scenes, name)?;
         let mut figures = [Figures::default(); CONFIGS.len()];
@@ -73,15 +76,12 @@ pub(crate) fn measure(
             *figures = count(renderer, &scene, config)?;
         }
         for (path, sums) in [Path::Mask, Path::Forward].into_iter().zip(&mut sums) {
-            let ways = CONFIGS.map(|(filter, width)| Way {
-                method: None,
-                axes: [("filter", filter), ("pcf", width)],
-                path,
-            });
+            let ways = CONFIGS.map(|config| way(config, path));
             let rounds = time(renderer, &scene, ways)?;
             let mut wholes = [0.0; CONFIGS.len()];
-            for (i, (_, width)) in CONFIGS.into_iter().enumerate() {
-                let plain = CONFIGS.iter().position(|config| *config == ("pcf", width));
+            for (i, (_, width, _)) in CONFIGS.into_iter().enumerate() {
+                let is_plain = |config: &(&str, &str, bool)| (config.0, config.1) == ("pcf", width);
+                let plain = CONFIGS.iter().position(is_plain);
                 let plain = plain.ok_or("no plain filter of this width")?;
                 let of =
                     |figure: fn(Times) -> f64| median(rounds.iter().map(|round| figure(round[i])));
@@ -106,7 +106,10 @@ pub(crate) fn measure(
             }
         }
         let named = CONFIGS.iter().zip(figures);
-        let named = named.map(|((filter, width), figures)| (format!("{filter} {width}"), figures));
+        let named = named.map(|((filter, width, always), figures)| {
+            let bounded = if *always { " bounded" } else { "" };
+            (format!("{filter} {width}{bounded}"), figures)
+        });
         bounds.insert(name, named.collect());
     }
     let ratio = |[plain, own]: [f64; 2]| own / plain;
@@ -114,6 +117,7 @@ pub(crate) fn measure(
     Ok(Report {
         hpsm15_over_pcf15: ratio(masks[0]),
         hpsm7_over_pcf7: ratio(masks[1]),
+        hpsm7_bounded_over_pcf7: ratio(masks[2]),
         hpsm15_over_pcf15_forward: ratio(forward[0]),
         hpsm7_over_pcf7_forward: ratio(forward[1]),
         hpsm_disagreements: (bounds.values().flat_map(BTreeMap::values))
@@ -146,10 +150,19 @@ impl Report {
             self.hpsm15_over_pcf15, self.hpsm15_over_pcf15_forward
         );
         println!(
-            "hpsm over pcf, 7 wide:         {:.3} ({:.3} forward)",
-            self.hpsm7_over_pcf7, self.hpsm7_over_pcf7_forward
+            "hpsm over pcf, 7 wide:         {:.3} ({:.3} forward; {:.3} with bounds in any case)",
+            self.hpsm7_over_pcf7, self.hpsm7_over_pcf7_forward, self.hpsm7_bounded_over_pcf7
         );
         println!("disagreements, pixels:         {}", self.hpsm_disagreements);
+    }
+}
+
+fn way((filter, width, always_bounded): (&'static str, &'static str, bool), path: Path) -> Way {
+    Way {
+        method: None,
+        axes: [("filter", filter), ("pcf", width)],
+        always_bounded,
+        path,
     }
 }
 
@@ -157,15 +170,11 @@ impl Report {
 fn count(
     renderer: &mut Renderer,
     scene: &Scene,
-    (filter, width): (&'static str, &'static str),
+    (filter, width, always): (&'static str, &'static str, bool),
 ) -> Result<Figures, Box<dyn Error>> {
     let mut draw = |filter, what| {
-        let way = Way {
-            method: None,
-            axes: [("filter", filter), ("pcf", width)],
-            path: Path::Forward,
-        };
-        draw(renderer, scene, way, what)
+        let config = (filter, width, always && filter != "pcf");
+        draw(renderer, scene, way(config, Path::Forward), what)
     };
     let Picture::Decisions(decisions) = draw(filter, What::Decisions)?.picture else {
         return Err("decisions were asked for".into());

@@ -44,6 +44,7 @@ pub(crate) fn measure(
     let ways = FILTERS.map(|filter| Way {
         method: filter.is_none().then_some("none"),
         axes: [("filter", filter.unwrap_or("pcf")), ("pcf", "15")],
+        always_bounded: false,
         path: Path::Forward,
     });
     let mut sums = [Times::default(); FILTERS.len()];

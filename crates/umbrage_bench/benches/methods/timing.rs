@@ -22,6 +22,8 @@ pub(crate) struct Way {
     /// In place of the scene's own.
     pub method: Option<&'static str>,
     pub axes: [(&'static str, &'static str); 2],
+    /// Bounds of maps are built even where they do not pay.
+    pub always_bounded: bool,
     /// How shadow terms come to the surfaces.
     pub path: Path,
 }
@@ -76,6 +78,9 @@ pub(crate) fn draw(
 ) -> Result<Rendered, Box<dyn Error>> {
     let mut options = options(SIZE, &way.axes, what);
     options.path = way.path;
+    if way.always_bounded {
+        options.shadow = options.shadow.with_setting("always_bounded", 1.0);
+    }
     options.shadow.method = way.method.unwrap_or_default().to_owned();
     Ok(renderer.render(scene, &options)?)
 }

@@ -47,7 +47,19 @@
 //! 20.7 % (where a cell is flat unless its plane makes the slab four times as thin; with twice, the middle cell's
 //! leaves 17.7 %).
 //!
+//! # When bounds are built
+//! Bounds pay where many receivers share a map's texels. A texel costs about two fetches to build, whatever is seen. Of
+//! a receiver's F = ((W + 1) / 2)² fetches half are saved, in the scenes below, and the decision itself takes the time of
+//! about nine. So bounds are built only where
+//!
+//! > pixels · (F / 2 − 9) > 2 · texels,
+//!
+//! with the pixels of the camera's depth and the texels of all of the light's maps: never for filters up to 7 wide, and
+//! for a map of 2048² with W = 15 from 365,000 pixels on. Elsewhere no pass is planned, and the shader filters as `pcf`
+//! does, with the same terms and fetches. Where a frame does not tell the size of the camera's depth, bounds are built.
+//!
 //! # Settings and axes
+//! `always_bounded`: 1 builds bounds whether or not they pay, to measure or to test them.
 //! `block`: texels along a block, 2, 4 or 8. Smaller blocks decide more; larger ones cost less to build.
 //! `pcf` is the filter's width, as ever.
 //!
@@ -56,7 +68,7 @@
 //! gather. A receiver takes one fetch (`hpsm`, `min_max`), and ((W + 1) / 2)² more where it stays open.
 //!
 //! Receivers decided with W = 15, in percent of those that sample a map, blocks of 4 (pixels of `umbrage render --size
-//! 640x360 --axis pcf=15 --axis filter=hpsm --what decisions`; `umbrage compare` has the same of the samples that it
+//! 640x360 --axis pcf=15 --axis filter=hpsm --setting always_bounded=1 --what decisions`; `umbrage compare` has the same of the samples that it
 //! compares); beside it how many have a term that is neither 0 nor 1, which no bounds could decide:
 //!
 //! | scene | method | partly lit | `hpsm` | `hpsm_naive` | `min_max` | `min_max_tree` |
@@ -86,7 +98,7 @@
 
 use umbrage_shadow::{
     ComputePass, Constants, Filter, Frame, Maps, Part, Pass, PlanError, Reads, SamplerDesc,
-    ShadowPlan, TextureDesc, Value,
+    Setting, ShadowPlan, TextureDesc, Value,
 };
 use wgpu_types::{FilterMode, TextureFormat};
 
@@ -94,6 +106,21 @@ use super::{Width, pcf};
 
 /// The format of slabs.
 const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
+
+/// Whether bounds are built where they do not pay.
+const ALWAYS: Setting = Setting {
+    name: "always_bounded",
+    doc: "1: bounds of maps are built even where they cost more than the fetches that they save",
+    min: 0.0,
+    max: 1.0,
+    default: 0.0,
+    whole: true,
+};
+
+/// Costs of bounds in the time of one fetch by `pcf`, as Mesa's llvmpipe takes it: of a texel to build, and of a
+/// receiver's decision.
+const BUILT: u64 = 2;
+const DECISION: u64 = 9;
 
 /// The filters `hpsm`, `hpsm_naive`, `min_max` and `min_max_tree`: how the texels of a map are bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,6 +143,10 @@ impl Part for Hpsm {
             Self::MinMax => "min_max",
             Self::MinMaxTree => "min_max_tree",
         }
+    }
+
+    fn settings(&self) -> &[Setting] {
+        &[ALWAYS]
     }
 
     fn axes(&self) -> &[&str] {
@@ -146,7 +177,8 @@ impl Filter for Hpsm {
             Self::Planes | Self::Naive | Self::MinMax => ("hpsm", "hpsm_blocks"),
             Self::MinMaxTree => ("min_max_tree", "min_max_levels"),
         };
-        if maps.maps.is_empty() {
+        if maps.maps.is_empty() || !is_bounded(frame, maps)? {
+            // A tile with more blocks along than this has texels has no bounds: so the shader knows.
             plan.textures.push(TextureDesc::d2(name, FORMAT, [1, 1]));
             return Ok(());
         }
@@ -171,6 +203,22 @@ impl Filter for Hpsm {
         }));
         Ok(())
     }
+}
+
+/// Whether bounds of `maps` save more fetches than they cost, or are wanted in any case. A tile of one block costs next
+/// to nothing.
+fn is_bounded(frame: &Frame<'_>, maps: &Maps) -> Result<bool, PlanError> {
+    let is_wanted = frame.setting(&ALWAYS)? == 1.0 || maps.side() <= block(frame)?;
+    let Some([width, height]) = frame.camera_depth else {
+        return Ok(true);
+    };
+    let [width, height, side] = [width, height, maps.side()].map(u64::from);
+    let texels = side.pow(2).saturating_mul(maps.maps.len() as u64);
+    let widest = u64::from(Width::of(frame)?.widest);
+    let fetches = (widest + 1).pow(2) / 4;
+    let saved = (fetches / 2).saturating_sub(DECISION);
+    let pays = (width.saturating_mul(height)).saturating_mul(saved) > BUILT.saturating_mul(texels);
+    Ok(pays || is_wanted)
 }
 
 /// The side of a block, texels: the axis `block`.

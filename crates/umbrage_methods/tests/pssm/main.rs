@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod esm;
+mod hpsm;
 mod lookups;
 
 use glam::{DQuat, DVec2, DVec3, Vec4Swizzles};
