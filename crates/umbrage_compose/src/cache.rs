@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Error, Library, Limit, Pass, Permutation, ProjectedKey, Reflection, Target,
+    bits::Bits,
     diagnostics::Written,
     permutation::validate,
     project::Dependencies,
@@ -17,7 +18,7 @@ use crate::{
 
 /// Of what an entry looks like; the header changes with it.
 const KIND: Kind = Kind {
-    header: b"umbrage cache 05",
+    header: b"umbrage cache 06",
     extension: "umbrage",
 };
 
@@ -57,41 +58,23 @@ impl DiskCache {
         keys: &[ProjectedKey],
         dependencies: &[&Dependencies],
     ) -> String {
-        let mut hasher = blake3::Hasher::new();
-        let mut part = |bytes: &[u8]| {
-            hasher.update(&(bytes.len() as u64).to_le_bytes());
-            hasher.update(bytes);
-        };
-        part(KIND.header);
-        part(NAGA_VERSION.as_bytes());
-        part(target.name().as_bytes());
-        part(&target.capabilities().bits().to_le_bytes());
-        for limit in Limit::ALL {
-            part(&target.limit(*limit).to_le_bytes());
-        }
-        part(&[u8::from(target.has_vertex_writes())]);
-        for (key, found) in keys.iter().zip(dependencies) {
-            part(key.to_string().as_bytes());
-            // The choices' demands on the linker may change with the axes, and the key stay the same.
-            for (axis, effect) in library.axes().effects(key) {
-                part(axis.name.as_bytes());
-                let asked = (
-                    &effect.root,
-                    &effect.each,
-                    &effect.bind,
-                    &effect.features,
-                    &effect.count_fetches,
-                );
-                part(format!("{asked:?}").as_bytes());
-            }
-            for module in found.modules.iter() {
-                let source = library.source(module);
-                part(source.path.as_bytes());
-                part(source.text.as_bytes());
-                part(format!("{:?}", library.groups(module)).as_bytes());
-            }
-        }
-        hasher.finalize().to_hex().to_string()
+        let parts = keys.iter().zip(dependencies);
+        identity(
+            library,
+            target,
+            parts.map(|(key, found)| (key, &found.modules)),
+        )
+    }
+
+    /// The bytes of an entry for `permutation`.
+    pub(crate) fn encode(permutation: &Permutation) -> postcard::Result<Vec<u8>> {
+        postcard::to_stdvec(&EntryOut {
+            key: text(permutation.keys()),
+            module: &permutation.module,
+            reflection: &permutation.reflection,
+            warnings: &permutation.warnings,
+            written: &permutation.written,
+        })
     }
 
     pub(crate) fn look(
@@ -100,24 +83,56 @@ impl DiskCache {
         (keys, pass): (&[ProjectedKey], Option<Pass>),
         target: &Target,
     ) -> Look<Permutation> {
-        let decode = |payload: &[u8]| decode(payload, (keys, pass), target);
+        let decode = |payload: &[u8]| decode(payload, (keys, pass), target, false);
         self.0.look(name, decode)
     }
 
     /// Keeps `permutation`; a warning where that fails.
     pub(crate) fn keep(&self, name: &str, permutation: &Permutation) -> Option<String> {
-        let entry = EntryOut {
-            key: text(permutation.keys()),
-            module: &permutation.module,
-            reflection: &permutation.reflection,
-            warnings: &permutation.warnings,
-            written: &permutation.written,
-        };
-        match postcard::to_stdvec(&entry) {
+        match Self::encode(permutation) {
             Ok(payload) => self.0.keep(name, &payload),
             Err(error) => Some(format!("a cache entry cannot be encoded: {error}")),
         }
     }
+}
+
+/// The hash of all that a permutation of these keys, each made of some modules, follows from.
+pub(crate) fn identity<'a>(
+    library: &Library,
+    target: &Target,
+    parts: impl IntoIterator<Item = (&'a ProjectedKey, &'a Bits)>,
+) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut part = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    part(KIND.header);
+    part(NAGA_VERSION.as_bytes());
+    part(target_hash(target).as_bytes());
+    for (key, modules) in parts {
+        part(key.to_string().as_bytes());
+        // The choices' demands on the linker may change with the axes, and the key stay the same.
+        for demand in library.demands(key) {
+            part(demand);
+        }
+        for module in modules.iter() {
+            part(library.module_hash(module));
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The hash of all that a target offers.
+pub(crate) fn target_hash(target: &Target) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(target.name().as_bytes());
+    hasher.update(&target.capabilities().bits().to_le_bytes());
+    for limit in Limit::ALL {
+        hasher.update(&target.limit(*limit).to_le_bytes());
+    }
+    hasher.update(&[u8::from(target.has_vertex_writes())]);
+    hasher.finalize().to_hex().to_string()
 }
 
 fn text<'a>(keys: impl IntoIterator<Item = &'a ProjectedKey>) -> String {
@@ -125,24 +140,31 @@ fn text<'a>(keys: impl IntoIterator<Item = &'a ProjectedKey>) -> String {
     keys.collect::<Vec<_>>().join(" + ")
 }
 
-fn decode(
+/// The permutation of an entry. One that is `known` to be valid is not validated.
+pub(crate) fn decode(
     payload: &[u8],
     (keys, pass): (&[ProjectedKey], Option<Pass>),
     target: &Target,
+    known: bool,
 ) -> Result<Permutation, &'static str> {
     let entry: EntryIn = postcard::from_bytes(payload).map_err(|_| "it cannot be decoded")?;
     let Some((key, others)) = keys.split_first().filter(|_| entry.key == text(keys)) else {
         return Err("it is of another key");
     };
     let capabilities = target.capabilities();
-    let info = validate(&entry.module, capabilities).map_err(|_| "its module is not valid")?;
+    let info = match known {
+        true => OnceLock::new(),
+        false => validate(&entry.module, capabilities)
+            .map(OnceLock::from)
+            .map_err(|_| "its module is not valid")?,
+    };
     Ok(Permutation {
         key: key.clone(),
         others: others.to_vec(),
         pass,
         module: entry.module,
         capabilities,
-        info: OnceLock::from(info),
+        info,
         reflection: entry.reflection,
         warnings: entry.warnings,
         written: entry.written,

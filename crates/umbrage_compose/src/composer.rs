@@ -10,9 +10,9 @@ use std::{
 };
 
 use crate::{
-    Cause, Error, Fault, Key, Library, Permutation, ProjectedKey, Target,
+    Cause, Error, Fault, Key, Library, Pack, Permutation, ProjectedKey, Target,
     bits::Bits,
-    cache::DiskCache,
+    cache::{DiskCache, identity},
     checker::Verdicts,
     features::Features,
     fetches,
@@ -38,6 +38,7 @@ pub struct Composer {
     library: Library,
     target: Target,
     disk: Option<DiskCache>,
+    pack: Option<Arc<Pack>>,
     /// By key, and by projected key.
     memory: Memory<Key, Arc<Permutation>>,
     /// The same of several keys, and faults: that lights are too many for one shader is asked in every frame.
@@ -163,6 +164,8 @@ pub enum Source {
     Memory,
     /// The disk cache had it.
     Disk,
+    /// The pack had it.
+    Pack,
 }
 
 impl Composer {
@@ -179,6 +182,7 @@ impl Composer {
             library,
             target,
             disk: None,
+            pack: None,
             memory: RwLock::default(),
             several: RwLock::default(),
             modules,
@@ -194,6 +198,20 @@ impl Composer {
             disk: Some(DiskCache::open(dir.into())?),
             ..self
         })
+    }
+
+    /// The same, with a pack of permutations that were made ahead: what it has is not composed. Of a permutation that it
+    /// has not, [`Composed::warnings`] tell.
+    pub fn with_pack(self, pack: Arc<Pack>) -> Self {
+        Self {
+            pack: Some(pack),
+            ..self
+        }
+    }
+
+    /// The pack.
+    pub fn pack(&self) -> Option<&Arc<Pack>> {
+        self.pack.as_ref()
     }
 
     /// The library.
@@ -273,6 +291,16 @@ impl Composer {
     }
 
     fn compose_new(&self, key: &Key) -> Result<Composed, Fault> {
+        // A pack of the same sources knows a key's permutation without reading modules.
+        if let Some(pack) = &self.pack {
+            let request = self.library.request(key)?;
+            // A damaged one is told of below.
+            if let Ok(Some(permutation)) = pack.find((&self.library, &self.target), &request) {
+                let composed = self.packed(permutation);
+                self.remember(&composed.permutation.key.clone(), &composed.permutation);
+                return Ok(composed);
+            }
+        }
         let (request, found) = self.read(key)?;
         let projected = project(&self.library, &request, &found)
             .unwrap_or_else(|| ProjectedKey::of(key.clone()));
@@ -291,7 +319,17 @@ impl Composer {
         Ok(composed)
     }
 
-    /// The permutation of `keys`, which depends on what was `found` of each: from disk, or as `make` makes it.
+    fn packed(&self, permutation: Permutation) -> Composed {
+        let warnings = permutation.warnings.clone();
+        Composed {
+            permutation: Arc::new(permutation),
+            source: Source::Pack,
+            warnings,
+        }
+    }
+
+    /// The permutation of `keys`, which depends on what was `found` of each: from the pack or the disk, or as `make` makes
+    /// it.
     fn on_disk_or(
         &self,
         keys: &[ProjectedKey],
@@ -299,6 +337,22 @@ impl Composer {
         make: impl FnOnce() -> Result<Permutation, Fault>,
     ) -> Result<Composed, Fault> {
         let mut warnings = Vec::new();
+        if let Some(pack) = &self.pack {
+            let name = DiskCache::name(&self.library, &self.target, keys, found);
+            let pass = self.library.axes().pass(&keys[0]);
+            match pack.by_identity(&name, (keys, pass), &self.target) {
+                Ok(Some(permutation)) => return Ok(self.packed(permutation)),
+                Ok(None) => {
+                    let keys: Vec<_> = keys.iter().map(ToString::to_string).collect();
+                    warnings.push(format!(
+                        "the pack {} has no `{}` of these sources, naga and target, so it is composed",
+                        pack.path().display(),
+                        keys.join(" + ")
+                    ));
+                }
+                Err(error) => warnings.push(error.to_string()),
+            }
+        }
         let on_disk = self.disk.as_ref().map(|disk| {
             let name = DiskCache::name(&self.library, &self.target, keys, found);
             (disk, name)
@@ -472,15 +526,24 @@ impl Composer {
         let units = AsRead::new(self, request, entries);
         let targets = Targets::new(&self.library, request, &units);
         let reach = self.reach(&targets, &found.modules)?;
-        if let Some(uses) = self.verdicts.known(&targets, &reach) {
-            let linked = link(&targets, &reach, Roots::EntryPoints, true)?;
+        self.make_reached(&targets, &reach, key)
+    }
+
+    fn make_reached(
+        &self,
+        targets: &Targets<'_>,
+        reach: &Reach,
+        key: ProjectedKey,
+    ) -> Result<Permutation, Fault> {
+        if let Some(uses) = self.verdicts.known(targets, reach) {
+            let linked = link(targets, reach, Roots::EntryPoints, true)?;
             // The values of overrides come from validation.
             if linked.0.overrides.is_empty() {
                 let (library, target) = (&self.library, &self.target);
                 return Ok(Permutation::of_valid(library, target, key, linked, &uses));
             }
         }
-        self.prove(&targets, &reach, key)
+        self.prove(targets, reach, key)
     }
 
     /// Links and validates a permutation, and remembers that its parts are valid.
@@ -500,6 +563,22 @@ impl Composer {
         self.verdicts
             .learn(targets, reach, (&permutation, &origins));
         Ok(permutation)
+    }
+
+    /// The permutation of `variant`, which is not kept.
+    pub(crate) fn make_alone(&self, variant: &Variant<'_>) -> Result<Permutation, Error> {
+        let (request, key) = (variant.request(), variant.key());
+        let units = AsRead::new(self, &request, variant.entries());
+        let targets = Targets::new(&self.library, &request, &units);
+        let made = self.reach(&targets, variant.module_numbers());
+        let made = made.and_then(|reach| self.make_reached(&targets, &reach, key.clone()));
+        Ok(made.map_err(|fault| fault.key(&key))?)
+    }
+
+    /// The hash of all that `variant`'s permutation follows from.
+    pub(crate) fn identity(&self, variant: &Variant<'_>) -> String {
+        let parts = [(&variant.key(), variant.module_numbers())];
+        identity(&self.library, &self.target, parts)
     }
 
     fn reach(&self, targets: &Targets<'_>, modules: &Bits) -> Result<Reach, Fault> {

@@ -39,6 +39,7 @@ struct Inner {
     axes: Axes,
     features: FeatureNames,
     table: OnceLock<Table>,
+    hashes: OnceLock<Hashes>,
     /// Files of the packages' axes.
     axes_files: Vec<SourceText>,
     /// Numbers of names, by which items are told apart faster than by text.
@@ -52,6 +53,16 @@ struct PackageEntry {
     name: String,
     dependencies: BTreeMap<String, Dependency>,
     groups: BTreeMap<u32, u32>,
+}
+
+/// Hashes of what permutations follow from.
+#[derive(Debug)]
+struct Hashes {
+    /// By module: its path, its text, and how its package's groups are numbered.
+    modules: Vec<[u8; 32]>,
+    /// By axis and value: its demands on the linker.
+    demands: FxHashMap<(String, String), [u8; 32]>,
+    whole: String,
 }
 
 /// Demands of a key on the linker, with modules as numbers.
@@ -147,6 +158,7 @@ impl Library {
             axes,
             features,
             table: OnceLock::new(),
+            hashes: OnceLock::new(),
             axes_files: packages.into_iter().filter_map(|p| p.axes).collect(),
             names: RwLock::default(),
             types: RwLock::default(),
@@ -254,6 +266,74 @@ impl Library {
     }
 
     /// The axes as parts of the space need them.
+    fn hashes(&self) -> &Hashes {
+        self.0.hashes.get_or_init(|| {
+            let mut whole = blake3::Hasher::new();
+            let hash = |parts: &[&[u8]]| {
+                let mut hasher = blake3::Hasher::new();
+                for part in parts {
+                    hasher.update(&(part.len() as u64).to_le_bytes());
+                    hasher.update(part);
+                }
+                *hasher.finalize().as_bytes()
+            };
+            let modules = self.0.sources.iter().enumerate().map(|(module, source)| {
+                let groups = format!("{:?}", self.groups(module));
+                hash(&[
+                    source.path.as_bytes(),
+                    source.text.as_bytes(),
+                    groups.as_bytes(),
+                ])
+            });
+            let modules: Vec<_> = modules.collect();
+            for module in &modules {
+                whole.update(module);
+            }
+            for file in &self.0.axes_files {
+                whole.update(&hash(&[file.text.as_bytes()]));
+            }
+            let mut demands = FxHashMap::default();
+            for axis in self.axes().iter() {
+                for (value, effect) in &axis.values {
+                    let asked = (
+                        &effect.root,
+                        &effect.each,
+                        &effect.bind,
+                        &effect.features,
+                        &effect.count_fetches,
+                    );
+                    let asked = hash(&[axis.name.as_bytes(), format!("{asked:?}").as_bytes()]);
+                    demands.insert((axis.name.clone(), value.to_string()), asked);
+                }
+            }
+            Hashes {
+                modules,
+                demands,
+                whole: whole.finalize().to_hex().to_string(),
+            }
+        })
+    }
+
+    /// The hash of all modules and axes.
+    pub(crate) fn hash(&self) -> String {
+        self.hashes().whole.clone()
+    }
+
+    /// The hash of a module's text and of what its package says of it.
+    pub(crate) fn module_hash(&self, module: usize) -> &[u8] {
+        &self.hashes().modules[module]
+    }
+
+    /// Hashes of what each choice of `key` asks of the linker, in the order of the axes.
+    pub(crate) fn demands(&self, key: &Key) -> impl Iterator<Item = &[u8]> {
+        let demands = &self.hashes().demands;
+        self.axes().iter().filter_map(|axis| {
+            let value = self.axes().value(key, &axis.name)?;
+            let demand = demands.get(&(axis.name.clone(), value.to_owned()))?;
+            Some(demand.as_slice())
+        })
+    }
+
     pub(crate) fn table(&self) -> &Table {
         self.0.table.get_or_init(|| Table::new(self))
     }

@@ -1,6 +1,6 @@
 //! Permutations: linked, validated, and reflected.
 
-use std::sync::OnceLock;
+use std::{borrow::Cow, sync::OnceLock};
 
 use naga::{
     EntryPoint, GlobalVariable, Handle, Module, Statement, WithSpan,
@@ -14,7 +14,7 @@ use naga::{
 use rustc_hash::FxHashSet;
 
 use crate::{
-    Cause, Error, Fault, Library, Pass, ProjectedKey, Reflection, Target,
+    Cause, Error, Fault, Language, Library, Pass, ProjectedKey, Reflection, Target,
     diagnostics::{Places, Written},
     lacking,
     link::Origins,
@@ -178,33 +178,48 @@ impl Permutation {
             .flags
             .remove(naga::back::spv::WriterFlags::ADJUST_COORDINATE_SPACE);
         options.flags.remove(naga::back::spv::WriterFlags::DEBUG);
-        let (module, info) = overrides::resolved(&self.module, self.info()?)
-            .map_err(|error| self.unresolved(&error))?;
+        let (module, info) = self.at_defaults(Language::Spirv)?;
         naga::back::spv::write_vec(&module, &info, &options, None)
             .map_err(|error| self.unwritable("SPIR-V", &error))
     }
 
+    /// The shader with all overrides at their defaults, to be written in `language`.
+    pub(crate) fn at_defaults(
+        &self,
+        language: Language,
+    ) -> Result<(Cow<'_, Module>, Cow<'_, ModuleInfo>), Error> {
+        overrides::resolved(&self.module, self.info()?)
+            .map_err(|error| self.unresolved(language, &error))
+    }
+
     /// Error for overrides whose defaults do not make a valid shader.
-    fn unresolved(&self, error: &PipelineConstantError) -> Error {
+    fn unresolved(&self, language: Language, error: &PipelineConstantError) -> Error {
+        let language = match language {
+            Language::Spirv => "SPIR-V",
+            Language::Wgsl => "WGSL",
+            Language::Msl => "MSL",
+            Language::Hlsl => "HLSL",
+            Language::Glsl => "GLSL",
+        };
         let without = self.reflection.overrides.iter();
         let without: Vec<_> = without
             .filter(|item| item.default.is_none() && !item.derived)
             .map(|item| format!("`{}` (of `{}`)", item.name, item.module))
             .collect();
         let message = match without.as_slice() {
-            [] => format!("cannot be said in SPIR-V with overrides at their defaults: {error}"),
+            [] => format!("cannot be said in {language} with overrides at their defaults: {error}"),
             names => format!(
-                "cannot be said in SPIR-V: no default for {}",
+                "cannot be said in {language}: no default for {}",
                 names.join(", ")
             ),
         };
         Fault::new(Cause::Validation, message)
             .key(&self.key)
-            .note("SPIR-V has overrides at their defaults: give each one a valid default, or take the WGSL, which keeps them")
+            .note(format!("{language} has overrides at their defaults: give each one a valid default, or take the WGSL, which keeps them"))
             .into()
     }
 
-    fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
+    pub(crate) fn unwritable(&self, language: &str, error: &dyn std::error::Error) -> Error {
         Fault::new(
             Cause::Validation,
             format!(

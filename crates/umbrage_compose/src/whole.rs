@@ -18,6 +18,14 @@ const SUFFIX: &str = ".part";
 /// # Errors
 /// A folder that does not exist, is full or cannot be written to.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes))
+}
+
+/// The same of what `write` writes.
+pub(crate) fn write_whole_by(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).rand_bytes(LETTERS).suffix(SUFFIX);
     #[cfg(unix)]
@@ -33,7 +41,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
         if !file.path().exists() {
             continue;
         }
-        file.write_all(bytes)?;
+        write(file.as_file_mut())?;
         return file.persist(path).map(drop).map_err(|error| error.error);
     }
 }
