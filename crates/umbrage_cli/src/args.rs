@@ -6,13 +6,13 @@ use clap::{
     Args, Parser, Subcommand, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
 };
+use umbrage::compose::Lint;
 use umbrage::render::{Path, Scene, SceneError, Staging};
-
-use crate::targets::NAMES;
 
 /// Composes shader permutations, and renders scenes with shadow methods.
 ///
-/// Exit status: 0 done, 1 what was checked was found wanting (check, cost, stress), 2 unusable arguments or input.
+/// Exit status: 0 done, 1 what was checked was found wanting (check, cost, stress), 2 unusable arguments or input, 130
+/// interrupted.
 #[derive(Parser)]
 #[command(name = "umbrage", version)]
 pub(crate) struct Arguments {
@@ -31,6 +31,8 @@ pub(crate) enum Command {
     /// Tries shadow methods on the hard cases; status 1 where one misses a limit.
     Stress(StressArgs),
     /// Validates every permutation of packages, or of manifests.
+    ///
+    /// Exit status: 0 all is well, 1 faults or denied lints were found or a cost is over its budget, 2 the check could not be carried out.
     Check(CheckArgs),
     /// Says how many permutations packages or a manifest have, and which axes make them.
     List(ListArgs),
@@ -243,12 +245,51 @@ pub(crate) struct CheckArgs {
     pub(crate) manifests: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) keys: KeyArgs,
-    /// What to validate for, in place of the manifests' own targets; vulkan is this machine's adapter.
-    #[arg(long, value_parser = NAMES)]
+    /// What to validate for, in place of the manifests' own targets: webgpu, vulkan, metal, dx12, gles, a table of your
+    /// own, or `this`, which is what this machine's adapter offers.
+    #[arg(long, value_name = "NAME|FILE.ron")]
     pub(crate) target: Option<String>,
-    /// Prints the result as JSON on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    /// A lint whose findings are errors; may be repeated. Without it they are warnings.
+    #[arg(long = "deny", value_name = "LINT", value_parser = lint())]
+    pub(crate) denied: Vec<Lint>,
+    /// A lint whose findings are not told; may be repeated.
+    #[arg(long = "allow", value_name = "LINT", value_parser = lint())]
+    pub(crate) allowed: Vec<Lint>,
+    /// Limits for what permutations cost on a GPU, as `cost` takes them: one over a limit is a fault. Every permutation
+    /// that the manifests or keys select is compiled, so it asks for either.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) budget: Option<PathBuf>,
+    /// The form in which the result is printed on standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Short for `--format json`.
+    #[arg(long, conflicts_with = "format")]
+    json: bool,
+}
+
+impl CheckArgs {
+    pub(crate) fn format(&self) -> Format {
+        match self.json {
+            true => Format::Json,
+            false => self.format,
+        }
+    }
+}
+
+/// Forms of a check's result. A person is told on standard error whichever it is.
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Format {
+    /// Nothing on standard output: for a person.
+    #[default]
+    Text,
+    /// All that was found, as JSON.
+    Json,
+    /// Annotations of GitHub's workflows, a line each.
+    Github,
+    /// SARIF 2.1.0, for services that show findings beside the code.
+    Sarif,
+    /// JUnit's XML, for services that show tests.
+    Junit,
 }
 
 #[derive(Args)]
@@ -356,6 +397,13 @@ fn two_sides(text: &str) -> Option<(String, String)> {
     let (left, right) = text.split_once('=')?;
     let named = !left.is_empty() && !right.is_empty();
     named.then(|| (left.to_owned(), right.to_owned()))
+}
+
+/// One of the lints, by its name.
+fn lint() -> impl TypedValueParser<Value = Lint> {
+    let named = |name: String| Lint::ALL.iter().copied().find(|lint| lint.name() == name);
+    let names = PossibleValuesParser::new(Lint::ALL.iter().map(|lint| lint.name()));
+    names.try_map(move |name| named(name).ok_or("no such lint"))
 }
 
 /// One of the paths, by its name.

@@ -20,7 +20,7 @@
 //! }
 //! ```
 //!
-//! Results go to standard output, and with `--json` nothing else does; all that is said to a person goes
+//! Results go to standard output, and with `--json` or `--format` nothing else does; all that is said to a person goes
 //! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input, 130
 //! interrupted.
 

@@ -31,6 +31,11 @@ impl Selection {
         Self::default()
     }
 
+    /// Whether all legal keys are meant.
+    pub fn is_all(&self) -> bool {
+        self.parts.is_none()
+    }
+
     /// `keys` of `library` and no others.
     pub fn of<'a>(library: &Library, keys: impl IntoIterator<Item = &'a Key>) -> Self {
         let keys: BTreeSet<_> = keys.into_iter().collect();
