@@ -6,13 +6,14 @@ use clap::{
     Args, Parser, Subcommand, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
 };
+use umbrage::compose::Language;
+use umbrage::compose::Lint;
 use umbrage::render::{Path, Scene, SceneError, Staging};
-
-use crate::targets::NAMES;
 
 /// Composes shader permutations, and renders scenes with shadow methods.
 ///
-/// Exit status: 0 done, 1 what was checked was found wanting (check, cost, stress), 2 unusable arguments or input.
+/// Exit status: 0 done, 1 what was checked was found wanting (check, cost, stress), 2 unusable arguments or input, 130
+/// interrupted.
 #[derive(Parser)]
 #[command(name = "umbrage", version)]
 pub(crate) struct Arguments {
@@ -31,13 +32,19 @@ pub(crate) enum Command {
     /// Tries shadow methods on the hard cases; status 1 where one misses a limit.
     Stress(StressArgs),
     /// Validates every permutation of packages, or of manifests.
+    ///
+    /// Exit status: 0 all is well, 1 faults or denied lints were found or a cost is over its budget, 2 the check could not be carried out.
     Check(CheckArgs),
     /// Says how many permutations packages or a manifest have, and which axes make them.
     List(ListArgs),
     /// Says what a key's permutation is made of and why, or which permutations an edit of a module's file touches.
     Explain(ExplainArgs),
-    /// Writes every permutation of the manifests as WGSL and SPIR-V, with its reflection.
+    /// Makes every permutation of the manifests ahead, as a pack that an engine loads.
     Prebuild(PrebuildArgs),
+    /// Makes one pack of the shards that `prebuild --shard` made.
+    Merge(MergeArgs),
+    /// Says which permutations of recorded runs a manifest lacks, and which of its own no run used.
+    Cover(CoverArgs),
     /// Says what a GPU's compiler makes of every permutation, without a GPU.
     Cost(CostArgs),
     /// Links one module and prints it as WGSL.
@@ -84,6 +91,12 @@ pub(crate) struct RenderArgs {
     /// A folder to keep permutations in from run to run; without it, none is kept.
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
+    /// A pack of permutations that were made ahead: what it has is not composed.
+    #[arg(long, value_name = "FILE.pack")]
+    pub(crate) pack: Option<PathBuf>,
+    /// A file to add the keys of all permutations to that the picture needs, for `umbrage cover`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
     /// Prints the result as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -243,12 +256,51 @@ pub(crate) struct CheckArgs {
     pub(crate) manifests: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) keys: KeyArgs,
-    /// What to validate for, in place of the manifests' own targets; vulkan is this machine's adapter.
-    #[arg(long, value_parser = NAMES)]
+    /// What to validate for, in place of the manifests' own targets: webgpu, vulkan, metal, dx12, gles, a table of your
+    /// own, or `this`, which is what this machine's adapter offers.
+    #[arg(long, value_name = "NAME|FILE.ron")]
     pub(crate) target: Option<String>,
-    /// Prints the result as JSON on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    /// A lint whose findings are errors; may be repeated. Without it they are warnings.
+    #[arg(long = "deny", value_name = "LINT", value_parser = lint())]
+    pub(crate) denied: Vec<Lint>,
+    /// A lint whose findings are not told; may be repeated.
+    #[arg(long = "allow", value_name = "LINT", value_parser = lint())]
+    pub(crate) allowed: Vec<Lint>,
+    /// Limits for what permutations cost on a GPU, as `cost` takes them: one over a limit is a fault. Every permutation
+    /// that the manifests or keys select is compiled, so it asks for either.
+    #[arg(long, value_name = "FILE.ron")]
+    pub(crate) budget: Option<PathBuf>,
+    /// The form in which the result is printed on standard output.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Short for `--format json`.
+    #[arg(long, conflicts_with = "format")]
+    json: bool,
+}
+
+impl CheckArgs {
+    pub(crate) fn format(&self) -> Format {
+        match self.json {
+            true => Format::Json,
+            false => self.format,
+        }
+    }
+}
+
+/// Forms of a check's result. A person is told on standard error whichever it is.
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Format {
+    /// Nothing on standard output: for a person.
+    #[default]
+    Text,
+    /// All that was found, as JSON.
+    Json,
+    /// Annotations of GitHub's workflows, a line each.
+    Github,
+    /// SARIF 2.1.0, for services that show findings beside the code.
+    Sarif,
+    /// JUnit's XML, for services that show tests.
+    Junit,
 }
 
 #[derive(Args)]
@@ -283,9 +335,41 @@ pub(crate) struct PrebuildArgs {
     pub(crate) manifests: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) keys: KeyArgs,
-    /// The folder to write: new, empty, or an earlier prebuild, which is replaced as a whole.
-    #[arg(long, value_name = "DIR")]
+    /// The pack to write. Of an earlier one, what is still of the same sources is kept.
+    #[arg(long, value_name = "FILE.pack")]
     pub(crate) out: PathBuf,
+    /// The languages, with commas between, beside the IR that wgpu takes: wgsl, spirv, msl, hlsl, glsl.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "wgsl,spirv", value_parser = language())]
+    pub(crate) targets: Vec<Language>,
+    /// Threads; without it, one a core.
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<std::num::NonZeroUsize>,
+    /// Makes the I-th of N parts alone, such as 1/2, for `umbrage merge`.
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub(crate) shard: Option<[u32; 2]>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct MergeArgs {
+    /// All shards, in any order.
+    #[arg(required = true, value_name = "FILE.pack")]
+    pub(crate) shards: Vec<PathBuf>,
+    /// The pack to write.
+    #[arg(long, value_name = "FILE.pack")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Args)]
+pub(crate) struct CoverArgs {
+    /// Records of runs, as `umbrage render --record` writes them, and a manifest (.ron) as the last.
+    #[arg(required = true, num_args = 2.., value_names = ["RECORD", "MANIFEST"])]
+    pub(crate) files: Vec<PathBuf>,
+    /// Prints the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Args)]
@@ -326,6 +410,24 @@ pub(crate) struct LinkArgs {
     pub(crate) bindings: Vec<(String, String)>,
 }
 
+/// Languages by name.
+fn language() -> impl TypedValueParser<Value = Language> {
+    let names = Language::ALL.map(Language::name);
+    PossibleValuesParser::new(names).try_map(|name| {
+        let all = Language::ALL.into_iter();
+        all.filter(|language| language.name() == name)
+            .next_back()
+            .ok_or("there is no such language")
+    })
+}
+
+fn shard(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('/');
+    let numbers = sides.and_then(|(own, of)| Some([own.parse().ok()?, of.parse().ok()?]));
+    let numbers = numbers.filter(|[own, of]| (1..=*of).contains(own));
+    numbers.ok_or_else(|| "a shard is I/N, with I from 1 to N, such as 1/2".to_owned())
+}
+
 fn size(text: &str) -> Result<(u32, u32), String> {
     let number = |text: &str| text.parse::<u32>().ok().filter(|number| *number > 0);
     text.split_once('x')
@@ -356,6 +458,13 @@ fn two_sides(text: &str) -> Option<(String, String)> {
     let (left, right) = text.split_once('=')?;
     let named = !left.is_empty() && !right.is_empty();
     named.then(|| (left.to_owned(), right.to_owned()))
+}
+
+/// One of the lints, by its name.
+fn lint() -> impl TypedValueParser<Value = Lint> {
+    let named = |name: String| Lint::ALL.iter().copied().find(|lint| lint.name() == name);
+    let names = PossibleValuesParser::new(Lint::ALL.iter().map(|lint| lint.name()));
+    names.try_map(move |name| named(name).ok_or("no such lint"))
 }
 
 /// One of the paths, by its name.

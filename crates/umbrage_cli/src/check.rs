@@ -1,60 +1,31 @@
 //! `umbrage check`: every permutation of packages, or of manifests, validated.
 
+mod github;
+mod junit;
+mod report;
+mod sarif;
+
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
+    path::Path,
     process::ExitCode,
     sync::Arc,
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
-use serde::Serialize;
 use umbrage::compose::{
-    Axes, Cause, Composer, Error, Fault, Key, Location, Manifest, Nearness, Selection, Variant,
+    Axes, Cause, Composer, Error, Fault, Key, Lint, Linted, Location, Manifest, Nearness, Variant,
     Variants,
 };
 
+use self::report::{Finding, Level, Report};
 use crate::{
-    args::CheckArgs,
+    args::{CheckArgs, Format},
     cause::{Axis, Checked, smallest_cause, subjects as bits},
     known::Known,
-    output::{print_json, progress},
-    targets::target,
+    output::{print, print_json, progress},
 };
-
-/// Output of `--json`.
-#[derive(Serialize)]
-struct Report {
-    /// How many legal keys are meant, at most 2^64 - 1.
-    keys: u64,
-    /// How many distinct permutations they make; one that manifests of the same packages and target share
-    /// counts once.
-    permutations: usize,
-    /// How many keys failed, at most 2^64 - 1.
-    failed: u64,
-    faults: Vec<ReportedFault>,
-    /// Warnings with their source lines: harmless, but worth telling.
-    warnings: Vec<String>,
-}
-
-/// One fault, however many permutations it was found in.
-#[derive(Serialize)]
-struct ReportedFault {
-    file: Option<String>,
-    line: Option<usize>,
-    column: Option<usize>,
-    message: String,
-    /// How many keys have it, at most 2^64 - 1.
-    failed: u64,
-    /// The keys; where they are more than [`TOLD`], the first, one for each permutation.
-    keys: Vec<String>,
-    /// The smallest choice of axes that triggers it.
-    cause: String,
-    /// The fault with its source lines, for a person.
-    #[serde(skip)]
-    rendered: String,
-}
 
 /// Most keys that are told of one fault.
 const TOLD: usize = 100;
@@ -65,11 +36,9 @@ type Identity = (Cause, Vec<Location>, String);
 /// Keys to check.
 struct Subject {
     composer: Composer,
-    selection: Selection,
-    /// The manifest, where there are several.
+    manifest: Manifest,
+    /// The manifest's file, where there are several.
     origin: Option<String>,
-    /// The folders of its packages, where it is a manifest's.
-    packages: BTreeMap<String, PathBuf>,
 }
 
 /// Findings about some permutations.
@@ -83,6 +52,8 @@ struct Findings {
     warnings: BTreeSet<String>,
     /// Each fault, with the permutations that have it.
     faults: BTreeMap<Identity, Found>,
+    /// Findings of lints, each once, by their places.
+    lints: BTreeMap<(Lint, Vec<Location>, String), Fault>,
 }
 
 /// A fault, and where it was found.
@@ -107,19 +78,66 @@ type Ordinal = (u32, u32, u32);
 const ORIGIN: &str = "the manifest";
 
 pub(crate) fn check(args: &CheckArgs, known: &Known) -> Result<ExitCode> {
+    if args.budget.is_some() && args.manifests.is_empty() && args.keys.keys.is_empty() {
+        bail!(
+            "--budget compiles every permutation that is meant, and none is selected: name a manifest, or keys (--key)"
+        );
+    }
+    if let Some(lint) = args.denied.iter().find(|lint| args.allowed.contains(lint)) {
+        bail!(
+            "the lint `{}` is denied and allowed: choose one",
+            lint.name()
+        );
+    }
+    let (subjects, mut findings) = subjects(args, known)?;
+    for index in 0..subjects.len() {
+        findings.examine(index, &subjects);
+    }
+    // Permutations with a fault or a warning are not known in parts, so what these use is not.
+    if findings.faults.is_empty() && findings.warnings.is_empty() {
+        for subject in &subjects {
+            if subject.manifest.selection().is_all() {
+                findings.add_lints(subject.composer.lint_space());
+            }
+        }
+    }
+    for subject in &subjects {
+        let warnings = subject.composer.library().warnings();
+        let warnings = warnings.iter().map(ToString::to_string);
+        findings.warnings.extend(warnings);
+    }
+    let mut report = report(&findings, &subjects);
+    report.lints = findings.told_lints(args);
+    if let Some(path) = &args.budget {
+        match report.is_faulty() {
+            true => eprintln!("the budget was not looked at: what is faulty costs nothing"),
+            false => report.faults = over_budget(&subjects, path)?,
+        }
+    }
+    tell(&report, args.format())?;
+    Ok(match report.is_faulty() {
+        false => ExitCode::SUCCESS,
+        true => ExitCode::FAILURE,
+    })
+}
+
+/// The keys to check, and faults of packages that do not load.
+fn subjects(args: &CheckArgs, known: &Known) -> Result<(Vec<Subject>, Findings)> {
     let mut subjects = Vec::new();
     let mut findings = Findings::default();
     let several = args.manifests.len() > 1;
+    let target = |manifest: &Manifest| {
+        crate::targets::target(args.target.as_deref().unwrap_or(manifest.target()))
+    };
     for path in &args.manifests {
         match Manifest::load(path) {
             Ok(manifest) => {
-                let target = target(args.target.as_deref().unwrap_or(manifest.target()))
+                let target = target(&manifest)
                     .with_context(|| format!("{} cannot be checked", path.display()))?;
                 subjects.push(Subject {
                     composer: Composer::new(manifest.library().clone(), target),
-                    selection: manifest.selection().clone(),
                     origin: several.then(|| path.display().to_string()),
-                    packages: manifest.packages().clone(),
+                    manifest,
                 });
             }
             Err(error) => findings.refuse(error, path)?,
@@ -127,43 +145,56 @@ pub(crate) fn check(args: &CheckArgs, known: &Known) -> Result<ExitCode> {
     }
     if args.manifests.is_empty() {
         let manifest = known.selected(&args.keys)?;
-        let target = target(args.target.as_deref().unwrap_or(manifest.target()))?;
         subjects.push(Subject {
-            composer: Composer::new(manifest.library().clone(), target),
-            selection: manifest.selection().clone(),
+            composer: Composer::new(manifest.library().clone(), target(&manifest)?),
             origin: None,
-            packages: BTreeMap::new(),
+            manifest,
         });
     }
-    for index in 0..subjects.len() {
-        findings.examine(index, &subjects);
-        let warnings = subjects[index].composer.library().warnings();
-        findings
-            .warnings
-            .extend(warnings.iter().map(ToString::to_string));
+    Ok((subjects, findings))
+}
+
+/// Faults of permutations that cost more than the budget at `path` allows.
+fn over_budget(subjects: &[Subject], path: &Path) -> Result<Vec<Finding>> {
+    let mut faults = Vec::new();
+    for subject in subjects {
+        let target = subject.composer.target().clone();
+        let over = crate::cost::over_budget(&subject.manifest, target, path)?;
+        faults.extend(over.into_iter().map(|(key, line)| Finding {
+            rule: "budget".to_owned(),
+            level: Level::Error,
+            file: Some(path.display().to_string()),
+            line: None,
+            column: None,
+            rendered: format!("{line}\n"),
+            message: line,
+            notes: Vec::new(),
+            failed: 0,
+            permutations: 1,
+            keys: vec![key],
+            cause: String::new(),
+        }));
     }
-    let report = report(&findings, &subjects);
-    if args.json {
-        print_json(&report)?;
+    Ok(faults)
+}
+
+/// Tells a person on standard error, and prints what was asked for.
+fn tell(report: &Report, format: Format) -> Result<()> {
+    match format {
+        Format::Text => {}
+        Format::Json => print_json(report)?,
+        Format::Github => print(&github::annotations(report))?,
+        Format::Sarif => print_json(&sarif::log(report)?)?,
+        Format::Junit => print(&junit::document(report)?)?,
     }
     for warning in &report.warnings {
         eprintln!("warning: {warning}");
     }
-    for fault in &report.faults {
-        eprintln!("error: {}  = fails when {}\n", fault.rendered, fault.cause);
+    for finding in report.findings() {
+        eprintln!("{}: {}", finding.level.name(), finding.for_a_person());
     }
-    eprintln!(
-        "{} keys, {} permutations, {} keys failed with {} faults",
-        report.keys,
-        report.permutations,
-        report.failed,
-        report.faults.len(),
-    );
-    Ok(if report.faults.is_empty() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    })
+    eprintln!("{}", report.summary());
+    Ok(())
 }
 
 impl Findings {
@@ -171,7 +202,7 @@ impl Findings {
     fn examine(&mut self, index: usize, subjects: &[Subject]) {
         let subject = &subjects[index];
         let is_kin = |other: &&Subject| {
-            other.packages == subject.packages
+            other.manifest.packages() == subject.manifest.packages()
                 && other.composer.target() == subject.composer.target()
         };
         let mut kin = subjects
@@ -191,6 +222,7 @@ impl Findings {
                 }
                 let checked = subject.composer.check(&variant);
                 findings.warnings.extend(checked.warnings);
+                findings.add_lints(checked.lints);
                 if let Some(error) = checked.fault {
                     let ordinal = (index as u32, number as u32, place as u32);
                     let axes = subject.composer.library().axes();
@@ -246,7 +278,34 @@ impl Findings {
         })
     }
 
+    fn add_lints(&mut self, found: impl IntoIterator<Item = Linted>) {
+        for Linted { lint, fault } in found {
+            let identity = (lint, fault.locations.clone(), fault.message.clone());
+            self.lints.entry(identity).or_insert(fault);
+        }
+    }
+
+    /// Findings of lints that are not allowed.
+    fn told_lints(&self, args: &CheckArgs) -> Vec<Finding> {
+        let lints = self.lints.iter();
+        let told = lints.filter(|((lint, ..), _)| !args.allowed.contains(lint));
+        let told = told.map(|((lint, ..), fault)| {
+            let level = match args.denied.contains(lint) {
+                true => Level::Error,
+                false => Level::Warning,
+            };
+            Finding::of(fault, lint.name().to_owned(), level)
+        });
+        told.collect()
+    }
+
     fn merge(&mut self, other: Self) {
+        self.add_lints(
+            other
+                .lints
+                .into_iter()
+                .map(|((lint, ..), fault)| Linted { lint, fault }),
+        );
         self.permutations += other.permutations;
         self.shared.extend(other.shared);
         self.failed = self.failed.saturating_add(other.failed);
@@ -291,7 +350,7 @@ impl Found {
 impl Subject {
     /// Its permutations, in parts.
     fn parts(&self) -> Vec<Variants<'_>> {
-        self.composer.select(&self.selection).split(PARTS)
+        self.composer.select(self.manifest.selection()).split(PARTS)
     }
 }
 
@@ -302,21 +361,16 @@ fn report(findings: &Findings, subjects: &[Subject]) -> Report {
     let at_most = |count: u128| u64::try_from(count).unwrap_or(u64::MAX);
     let keys = subjects.iter().map(|subject| {
         let library = subject.composer.library();
-        subject.selection.count(library)
+        subject.manifest.selection().count(library)
     });
     let reported = |found: &Found| {
         let mut fault = found.fault.clone();
         fault.keys = found.keys.iter().cloned().collect();
-        let location = fault.location();
-        ReportedFault {
-            file: location.map(|at| at.file.clone()),
-            line: location.map(|at| at.line),
-            column: location.map(|at| at.column),
-            message: fault.message.clone(),
+        Finding {
             failed: at_most(found.failed),
-            keys: fault.keys.iter().map(Key::to_string).collect(),
+            permutations: found.permutations.len(),
             cause: cause(found, subjects),
-            rendered: fault.to_string(),
+            ..Finding::of(&fault, fault.cause.name().to_owned(), Level::Error)
         }
     };
     Report {
@@ -325,6 +379,7 @@ fn report(findings: &Findings, subjects: &[Subject]) -> Report {
         permutations: findings.permutations + findings.shared.len(),
         failed: at_most(findings.failed),
         faults: findings.faults.values().map(reported).collect(),
+        lints: Vec::new(),
     }
 }
 

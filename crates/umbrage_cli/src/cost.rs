@@ -5,7 +5,7 @@ use std::{fmt::Write, path::Path, process::ExitCode, sync::Arc};
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::Serialize;
-use umbrage::compose::{Composer, Key, Manifest, Permutation, Stage};
+use umbrage::compose::{Composer, Key, Manifest, Permutation, Stage, Target};
 use umbrage_isa::{Budget, CompilerOptions, IsaError, PipelineState, StageCost, costs};
 
 use crate::{
@@ -65,7 +65,20 @@ struct Subject {
 }
 
 pub(crate) fn cost(args: &CostArgs, known: &Known) -> Result<ExitCode> {
-    let report = examine(args, known).with_context(|| {
+    let manifest = match &args.manifest {
+        Some(path) => Manifest::load(path).map_err(Into::into),
+        None => known.selected(&args.keys),
+    };
+    let report = manifest.and_then(|manifest| {
+        let target = target(manifest.target())?;
+        examine(
+            &manifest,
+            target,
+            args.family.as_deref(),
+            args.budget.as_deref(),
+        )
+    });
+    let report = report.with_context(|| {
         let named = args.manifest.as_ref();
         let named = named.map_or("--key".to_owned(), |path| path.display().to_string());
         format!("what the permutations of {named} cost cannot be told")
@@ -90,19 +103,37 @@ pub(crate) fn cost(args: &CostArgs, known: &Known) -> Result<ExitCode> {
     })
 }
 
-fn examine(args: &CostArgs, known: &Known) -> Result<Report> {
-    let manifest = match &args.manifest {
-        Some(path) => Manifest::load(path)?,
-        None => known.selected(&args.keys)?,
-    };
+/// Figures over the budget at `path`, and what could not be compiled to tell them: a line for each key.
+pub(crate) fn over_budget(
+    manifest: &Manifest,
+    target: Target,
+    path: &Path,
+) -> Result<Vec<(String, String)>> {
+    let report = examine(manifest, target, None, Some(path)).with_context(|| {
+        format!(
+            "what permutations cost cannot be held against the budget {}",
+            path.display()
+        )
+    })?;
+    let mut told = Vec::new();
+    for over in report.over_budget {
+        told.push((over.key.clone(), over.line()?));
+    }
+    let failed = report.failed.into_iter();
+    told.extend(failed.map(|failed| (failed.key, failed.error)));
+    Ok(told)
+}
+
+fn examine(
+    manifest: &Manifest,
+    target: Target,
+    family: Option<&str>,
+    path: Option<&Path>,
+) -> Result<Report> {
     let axes = manifest.library().axes();
-    let budget = args.budget.as_deref();
-    let budget = budget.map(|path| Budget::load(path, axes)).transpose()?;
-    let family = family(
-        args.family.as_deref(),
-        args.budget.as_deref().zip(budget.as_ref()),
-    )?;
-    let subjects = compose(&manifest)?;
+    let budget = path.map(|path| Budget::load(path, axes)).transpose()?;
+    let family = self::family(family, path.zip(budget.as_ref()))?;
+    let subjects = compose(manifest, target)?;
     if let Some(budget) = &budget {
         let given = subjects
             .iter()
@@ -157,8 +188,8 @@ fn family(asked: Option<&str>, budget: Option<(&Path, &Budget)>) -> Result<Strin
 }
 
 /// Each permutation once, sorted by key.
-fn compose(manifest: &Manifest) -> Result<Vec<Subject>> {
-    let composer = Composer::new(manifest.library().clone(), target(manifest.target())?);
+fn compose(manifest: &Manifest, target: Target) -> Result<Vec<Subject>> {
+    let composer = Composer::new(manifest.library().clone(), target);
     let variants: Vec<_> = composer.select(manifest.selection()).collect();
     let bar = progress("composing", variants.len());
     let subjects = variants.into_par_iter().map(|variant| {

@@ -170,12 +170,6 @@ impl FileSystem for Files {
     }
 }
 
-/// Writes a file of a folder; an error names it.
-pub(crate) fn store(folder: &Path, file: &str, contents: impl AsRef<[u8]>) -> Result<()> {
-    interrupt::check()?;
-    fs::write(folder.join(file), contents).with_context(|| format!("{file} could not be written"))
-}
-
 #[cfg(test)]
 mod tests {
     use tempfile::TempDir;
@@ -190,6 +184,10 @@ mod tests {
         },
         own: |name| name == "file",
     };
+
+    fn store(folder: &Path, file: &str, contents: &str) -> Result<()> {
+        Ok(fs::write(folder.join(file), contents)?)
+    }
 
     /// A file system that fails at the steps the test chooses.
     struct Told<'a> {

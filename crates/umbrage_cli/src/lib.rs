@@ -20,7 +20,7 @@
 //! }
 //! ```
 //!
-//! Results go to standard output, and with `--json` nothing else does; all that is said to a person goes
+//! Results go to standard output, and with `--json` or `--format` nothing else does; all that is said to a person goes
 //! to standard error. Exit status: 0 done, 1 the checked input is faulty, 2 unusable arguments or input, 130
 //! interrupted.
 
@@ -30,6 +30,7 @@ mod cause;
 mod check;
 mod compare;
 mod cost;
+mod cover;
 mod explain;
 mod folder;
 mod interrupt;
@@ -91,6 +92,8 @@ fn run(known: impl FnOnce() -> Result<Known>) -> Result<ExitCode> {
         Command::List(args) => list::list(&args, &known),
         Command::Explain(args) => explain::explain(&args, &known),
         Command::Prebuild(args) => prebuild::prebuild(&args, &known),
+        Command::Merge(args) => prebuild::merge(&args),
+        Command::Cover(args) => cover::cover(&args),
         Command::Cost(args) => cost::cost(&args, &known),
         Command::Link(args) => link::link(&args, &known),
         Command::Adapter => adapter::adapter(),

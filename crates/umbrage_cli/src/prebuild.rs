@@ -1,286 +1,272 @@
-//! `umbrage prebuild`: every permutation of the manifests, as files.
+//! `umbrage prebuild` and `umbrage merge`: permutations made ahead, as a pack.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     path::Path,
     process::ExitCode,
+    sync::Arc,
 };
 
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use umbrage::compose::{Composed, Composer, Error, Key, Manifest};
+use serde::Serialize;
+use umbrage::compose::{
+    Composer, Error, Header, Language, Manifest, Pack, PackWriter, Packed, Selection, Variant,
+    sweep_beside,
+};
 
 use crate::{
-    args::PrebuildArgs,
-    folder::{Kind, store},
+    args::{MergeArgs, PrebuildArgs},
     known::Known,
-    output::progress,
+    output::{print_json, waiting},
     targets::target,
 };
 
-/// File by which a folder that prebuild wrote is known.
-const INDEX: &str = "index.json";
-
-/// Marks an index as prebuild's own. The number goes up when the folder's layout changes.
-const FORMAT: &str = "umbrage prebuild 1";
-
-/// Hexadecimal digits of a file's name.
-const STEM: usize = 32;
-
-/// Extensions of a permutation's files.
-const EXTENSIONS: [&str; 3] = ["wgsl", "spv", "json"];
-
-const PREBUILD: Kind = Kind {
-    name: "prebuild",
-    check: written_by_prebuild,
-    own: is_file_name,
-};
-
-/// `index.json`: from each key to its permutation's files.
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct Index {
-    format: String,
-    /// How many permutations there are.
+/// Output of `--json`.
+#[derive(Serialize)]
+struct Report<'a> {
+    pack: &'a Path,
+    /// How many permutations the pack has.
     permutations: usize,
-    keys: BTreeMap<String, Files>,
-}
-
-/// A permutation's files, relative to the index.
-#[derive(Clone, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct Files {
-    wgsl: String,
-    /// None where overrides have no defaults that SPIR-V could hold.
-    spv: Option<String>,
-    reflection: String,
-}
-
-/// A permutation's contents.
-struct Built {
-    stem: String,
-    wgsl: String,
-    spv: Option<Vec<u8>>,
-    reflection: String,
-    /// Warnings to print.
+    /// How many were composed, the others taken from the pack that was there before.
+    composed: usize,
+    /// Whether the pack that was there is of the same sources and keys, and was left as it is.
+    unchanged: bool,
+    /// Languages that permutations cannot be written in, with how many and why.
+    lacks: Vec<Lack>,
     warnings: Vec<String>,
-    /// The part that SPIR-V cannot hold.
-    lost: Lost,
 }
 
-/// The part of a permutation that SPIR-V cannot hold.
-enum Lost {
-    Nothing,
-    /// The choice of these overrides' values: SPIR-V has their defaults.
-    Overrides(Vec<String>),
-    /// The whole permutation, and why.
-    All(Error),
+/// Permutations that one language cannot say.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+struct Lack {
+    language: Language,
+    permutations: usize,
+    reason: String,
 }
+
+/// Permutations that wait at once for a place in the pack: memory holds no more of them.
+const AT_ONCE: usize = 256;
 
 pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
-    PREBUILD.check_replaceable(&args.out)?;
-    let mut keys: BTreeMap<String, Files> = BTreeMap::new();
-    let mut permutations: BTreeMap<String, Built> = BTreeMap::new();
-    let named = args.manifests.iter();
-    let mut sources: Vec<_> = named
-        .map(|path| (path.display().to_string(), Some(path)))
-        .collect();
-    if sources.is_empty() {
-        sources.push(("what --key names".to_owned(), None));
+    check_out(&args.out)?;
+    if let Some(jobs) = args.jobs {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.get());
+        pool.build_global()
+            .context("the threads that --jobs asks for cannot be started")?;
     }
-    for (source, path) in sources {
-        let manifest = match path {
-            Some(path) => Manifest::load(path).map_err(Into::into),
-            None => known.selected(&args.keys),
-        };
-        let built = manifest.and_then(|manifest| build(&manifest));
-        let built = built.with_context(|| format!("{source} cannot be prebuilt"))?;
-        for (sharing, built) in built {
-            let files = built.files();
-            for key in sharing {
-                let known = keys.entry(key.to_string()).or_insert_with(|| files.clone());
-                if *known != files {
-                    bail!(
-                        "{source} and a manifest before it give the key {key} different permutations; \
-                         prebuild them into folders of their own"
-                    );
-                }
-            }
-            permutations.insert(built.stem.clone(), built);
-        }
-    }
-    if permutations.is_empty() {
-        bail!(
-            "the manifests have no permutation, so there is nothing to prebuild; add keys to them"
+    let (composer, selections) = selected(args, known)?;
+    let selected = selections.iter().map(Selection::hash).collect::<Vec<_>>();
+    let languages: BTreeSet<_> = args.targets.iter().copied().collect();
+    let mut header = Header::new(
+        composer.library(),
+        composer.target(),
+        languages,
+        selected.join("+"),
+    );
+    header.shard = args.shard;
+    // One that is damaged, or no pack, is not heeded: it is replaced.
+    let before = match args.out.exists() {
+        true => Pack::open(&args.out).ok().map(Arc::new),
+        false => None,
+    };
+    if let Some(before) = before.as_ref().filter(|pack| *pack.header() == header)
+        && before.is_whole()
+    {
+        let count = before.len();
+        eprintln!(
+            "{count} permutations are in {} already, of these sources and keys",
+            args.out.display()
         );
+        return report(args, (count, 0), true, before, Vec::new());
     }
-    tell_lost(permutations.values());
-    let warnings: BTreeSet<_> = permutations
-        .values()
-        .flat_map(|built| &built.warnings)
-        .collect();
-    for warning in warnings {
+    let mut writer = PackWriter::new(&composer, header.clone())?;
+    let (composed, warnings) = fill(
+        &mut writer,
+        (&composer, &header),
+        &selections,
+        before.as_ref(),
+    )?;
+    let count = writer.finish(&args.out)?;
+    for warning in &warnings {
         eprintln!("warning: {warning}");
     }
-    let count = permutations.len();
-    let index = Index {
-        format: FORMAT.to_owned(),
-        permutations: count,
-        keys,
-    };
-    PREBUILD.replace(&args.out, |folder| {
-        write_files(folder, &index, permutations.values())
-    })?;
+    let written = Pack::open(&args.out)?;
+    eprintln!(
+        "{count} permutations are in {}: {composed} composed, {} as they were",
+        args.out.display(),
+        count.saturating_sub(composed),
+    );
+    report(args, (count, composed), false, &written, warnings)
+}
+
+pub(crate) fn merge(args: &MergeArgs) -> Result<ExitCode> {
+    check_out(&args.out)?;
+    let shards = args
+        .shards
+        .iter()
+        .map(|path| Pack::open(path).map(Arc::new));
+    let shards = shards.collect::<Result<Vec<_>, Error>>()?;
+    let count = PackWriter::merge(&shards)?.finish(&args.out)?;
     eprintln!("{count} permutations are in {}", args.out.display());
     Ok(ExitCode::SUCCESS)
 }
 
-/// Tells what is in the permutations' WGSL alone.
-fn tell_lost<'a>(permutations: impl Iterator<Item = &'a Built>) {
-    let (mut fixed, mut overrides) = (0, BTreeSet::new());
-    for built in permutations {
-        match &built.lost {
-            Lost::Nothing => {}
-            Lost::Overrides(names) => {
-                fixed += 1;
-                overrides.extend(names);
-            }
-            Lost::All(error) => eprintln!("no SPIR-V of {}: {error}", built.files().wgsl),
-        }
+/// Says at once, rather than after the work, that a pack cannot be written.
+fn check_out(out: &Path) -> Result<()> {
+    if out.extension().is_none_or(|extension| extension != "pack") || out.is_dir() {
+        bail!("--out {} names no pack; end it in .pack", out.display());
     }
-    if fixed > 0 {
-        let names: Vec<_> = overrides
-            .into_iter()
-            .map(|name| format!("`{name}`"))
-            .collect();
-        eprintln!(
-            "{} can be set in the WGSL alone: the SPIR-V of {fixed} permutations has overrides at their defaults, as \
-             naga writes no specialisation constants",
-            names.join(", "),
-        );
-    }
-}
-
-/// Composes each permutation of a manifest once.
-fn build(manifest: &Manifest) -> Result<Vec<(Vec<Key>, Built)>> {
-    let composer = Composer::new(manifest.library().clone(), target(manifest.target())?);
-    let variants: Vec<_> = composer.select(manifest.selection()).collect();
-    let bar = progress("prebuilding", variants.len());
-    let built = variants
-        .into_par_iter()
-        .map(|variant| {
-            let built = Built::new(&composer, &variant.key())?;
-            bar.inc(1);
-            Ok((variant.keys(), built))
-        })
-        .collect();
-    bar.finish_and_clear();
-    built
-}
-
-impl Built {
-    fn new(composer: &Composer, key: &Key) -> Result<Self> {
-        let Composed {
-            permutation,
-            warnings,
-            ..
-        } = composer.compose(key)?;
-        let wgsl = permutation.wgsl()?;
-        let overrides = &permutation.reflection.overrides;
-        let (spv, lost) = match permutation.spirv() {
-            Ok(words) => {
-                let bytes = words.into_iter().flat_map(u32::to_le_bytes).collect();
-                let names = overrides.iter().map(|item| item.name.clone());
-                match overrides.is_empty() {
-                    true => (Some(bytes), Lost::Nothing),
-                    false => (Some(bytes), Lost::Overrides(names.collect())),
-                }
-            }
-            // A host that takes the WGSL sets them.
-            Err(error) if !overrides.is_empty() => (None, Lost::All(error)),
-            Err(error) => return Err(error.into()),
-        };
-        let mut reflection = serde_json::to_string_pretty(&permutation.reflection)?;
-        reflection.push('\n');
-        // Named by content: equal permutations of several manifests are one, and nothing else is.
-        let mut hasher = blake3::Hasher::new();
-        for part in [
-            wgsl.as_bytes(),
-            spv.as_deref().unwrap_or_default(),
-            reflection.as_bytes(),
-        ] {
-            hasher
-                .update(&(part.len() as u64).to_le_bytes())
-                .update(part);
-        }
-        let hash = hasher.finalize().to_hex();
-        Ok(Self {
-            warnings,
-            stem: hash[..STEM].to_owned(),
-            wgsl,
-            spv,
-            reflection,
-            lost,
-        })
-    }
-
-    fn files(&self) -> Files {
-        let name = |extension| format!("{}.{extension}", self.stem);
-        Files {
-            wgsl: name("wgsl"),
-            spv: self.spv.as_ref().map(|_| name("spv")),
-            reflection: name("json"),
-        }
-    }
-}
-
-/// An error that says which file in `out` prebuild did not write, or that there is no index of its own.
-fn written_by_prebuild(out: &Path) -> Result<()> {
-    for entry in fs::read_dir(out)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let ours = name.to_str().is_some_and(is_file_name);
-        // A link is none of ours either, wherever it leads.
-        if !ours || !entry.file_type()?.is_file() {
-            bail!("{} is not a file of prebuild's", Path::new(&name).display());
-        }
-    }
-    let text = fs::read(out.join(INDEX)).with_context(|| format!("{INDEX} cannot be read"))?;
-    let index: Index = serde_json::from_slice(&text)
-        .with_context(|| format!("{INDEX} is no index of prebuild's"))?;
-    if index.format != FORMAT {
-        bail!("{INDEX} has the format `{}`, not `{FORMAT}`", index.format);
-    }
+    let folder = match out.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    sweep_beside(out);
+    tempfile::tempfile_in(folder).with_context(|| {
+        format!(
+            "--out {} cannot be written; choose a folder that exists and may be written to",
+            out.display()
+        )
+    })?;
     Ok(())
 }
 
-fn is_file_name(name: &str) -> bool {
-    let of_permutation =
-        |(stem, extension): (&str, _)| is_stem(stem) && EXTENSIONS.contains(&extension);
-    name == INDEX || name.split_once('.').is_some_and(of_permutation)
-}
-
-fn is_stem(stem: &str) -> bool {
-    stem.len() == STEM && stem.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
-}
-
-/// Writes all files into `folder`.
-fn write_files<'a>(
-    folder: &Path,
-    index: &Index,
-    permutations: impl Iterator<Item = &'a Built>,
-) -> Result<()> {
-    for built in permutations {
-        let files = built.files();
-        store(folder, &files.wgsl, &built.wgsl)?;
-        if let (Some(file), Some(spv)) = (&files.spv, &built.spv) {
-            store(folder, file, spv)?;
-        }
-        store(folder, &files.reflection, &built.reflection)?;
+/// The composer of all that is to be prebuilt, and the keys of each manifest.
+fn selected(args: &PrebuildArgs, known: &Known) -> Result<(Composer, Vec<Selection>)> {
+    let mut manifests = Vec::new();
+    for path in &args.manifests {
+        let manifest = Manifest::load(path);
+        let manifest =
+            manifest.with_context(|| format!("{} cannot be prebuilt", path.display()))?;
+        manifests.push((path.display().to_string(), manifest));
     }
-    let mut text = serde_json::to_string_pretty(index)?;
-    text.push('\n');
-    store(folder, INDEX, text)
+    if manifests.is_empty() {
+        let manifest = known.selected(&args.keys)?;
+        manifests.push(("what --key names".to_owned(), manifest));
+    }
+    let Some((first, manifest)) = manifests.first() else {
+        bail!("there is nothing to prebuild; name a manifest or a key");
+    };
+    let library = manifest.library().clone();
+    for (other, manifest) in &manifests[1..] {
+        if !manifest.library().is_same(&library) || manifest.target() != manifests[0].1.target() {
+            bail!(
+                "{first} and {other} are of different packages or targets; prebuild them into packs of their own"
+            );
+        }
+    }
+    let target = target(manifest.target())?;
+    let selections = manifests.iter().map(|(_, m)| m.selection().clone());
+    Ok((Composer::new(library, target), selections.collect()))
+}
+
+/// Makes all permutations and adds them to the pack; how many were composed, and warnings about them.
+fn fill(
+    writer: &mut PackWriter,
+    (composer, header): (&Composer, &Header),
+    selections: &[Selection],
+    before: Option<&Arc<Pack>>,
+) -> Result<(usize, Vec<String>)> {
+    let bar = waiting("prebuilding");
+    let mut seen = BTreeSet::new();
+    let mut warnings = BTreeSet::new();
+    let (mut composed, mut done) = (0, 0);
+    for selection in selections {
+        let mut variants = composer.select(selection);
+        loop {
+            // Permutations of several manifests are made once.
+            let is_new =
+                |variant: &Variant<'_>| selections.len() == 1 || seen.insert(variant.key());
+            let some: Vec<_> = variants.by_ref().filter(is_new).take(AT_ONCE).collect();
+            if some.is_empty() {
+                break;
+            }
+            let made = some
+                .par_iter()
+                .map(|variant| PackWriter::make(composer, header, variant, before));
+            for packed in made.collect::<Result<Vec<Option<Packed>>, Error>>()? {
+                let Some(packed) = packed else {
+                    continue;
+                };
+                composed += usize::from(!packed.is_kept);
+                warnings.extend(packed.warnings.iter().cloned());
+                writer.add(packed)?;
+            }
+            done += some.len();
+            bar.set_message(format!(
+                "prebuilding: {done} permutations, {composed} composed"
+            ));
+        }
+    }
+    bar.finish_and_clear();
+    Ok((composed, warnings.into_iter().collect()))
+}
+
+/// Tells what the languages lack, and prints the report.
+fn report(
+    args: &PrebuildArgs,
+    (permutations, composed): (usize, usize),
+    unchanged: bool,
+    pack: &Pack,
+    warnings: Vec<String>,
+) -> Result<ExitCode> {
+    // An unchanged pack told it when it was made; its index is read for the report alone.
+    let lacks = match unchanged && !args.json {
+        true => Vec::new(),
+        false => lacks(pack)?,
+    };
+    for lack in &lacks {
+        let (language, count) = (lack.language, lack.permutations);
+        eprintln!("no {language} of {count} permutations: {}", lack.reason);
+    }
+    if !unchanged {
+        tell_overrides(pack)?;
+    }
+    if args.json {
+        print_json(&Report {
+            pack: &args.out,
+            permutations,
+            composed,
+            unchanged,
+            lacks,
+            warnings,
+        })?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Tells which overrides only the WGSL leaves open.
+fn tell_overrides(pack: &Pack) -> Result<()> {
+    let rows = pack.rows()?.iter();
+    let fixed: Vec<_> = rows.filter(|row| !row.overrides.is_empty()).collect();
+    if fixed.is_empty() || pack.header().languages.iter().all(|l| *l == Language::Wgsl) {
+        return Ok(());
+    }
+    let names = fixed.iter().flat_map(|row| &row.overrides);
+    let names: BTreeSet<_> = names.map(|name| format!("`{name}`")).collect();
+    let names: Vec<_> = names.into_iter().collect();
+    eprintln!(
+        "{} can be set in the WGSL alone: in other languages {} permutations have overrides at their defaults, as naga \
+         writes no specialisation constants",
+        names.join(", "),
+        fixed.len(),
+    );
+    Ok(())
+}
+
+fn lacks(pack: &Pack) -> Result<Vec<Lack>> {
+    let mut counts: BTreeMap<(Language, String), usize> = BTreeMap::new();
+    for row in pack.rows()? {
+        for (language, reason) in &row.lacks {
+            *counts.entry((*language, reason.clone())).or_default() += 1;
+        }
+    }
+    let lacks = counts.into_iter();
+    Ok(lacks
+        .map(|((language, reason), permutations)| Lack {
+            language,
+            permutations,
+            reason,
+        })
+        .collect())
 }

@@ -5,7 +5,7 @@ use std::{path::Path, process::ExitCode, sync::Arc};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::{
-    compose::{Composer, Purpose, Source, Target},
+    compose::{Composer, Pack, Purpose, Source, Target, record},
     render::{
         self, Gpu, LeftOut, PermutationUse, RenderOptions, Rendered, Renderer, Scene, Shadow,
     },
@@ -86,13 +86,20 @@ pub(crate) fn render(args: &RenderArgs, known: Known) -> Result<ExitCode> {
     if let Some(folder) = &args.cache {
         composer = composer.with_disk_cache(folder)?;
     }
+    if let Some(pack) = &args.pack {
+        composer = composer.with_pack(Arc::new(Pack::open(pack)?));
+    }
+    let composer = Arc::new(composer);
     let bar = waiting("rendering");
-    let mut renderer = Renderer::new(Arc::new(Gpu::new()?), Arc::new(composer), registry);
+    let mut renderer = Renderer::new(Arc::new(Gpu::new()?), Arc::clone(&composer), registry);
     let rendered = renderer
         .render(&scene, &options(args))
         .with_context(|| format!("{} cannot be rendered", args.scene.display()))?;
     bar.finish_and_clear();
     rendered.save_png(&args.out)?;
+    if let Some(record) = &args.record {
+        record::append(record, &composer.composed())?;
+    }
     for warning in &rendered.report.warnings {
         eprintln!("warning: {warning}");
     }
@@ -169,6 +176,7 @@ fn report<'a>(
             Source::Linked => "linked",
             Source::Memory => "memory",
             Source::Disk => "disk",
+            Source::Pack => "pack",
         },
         object: &used.object,
         light: used.light.as_deref(),

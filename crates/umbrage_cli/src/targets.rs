@@ -1,21 +1,21 @@
 //! Targets by their names in manifests and arguments.
 
-use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+use anyhow::{Context, Result};
 use umbrage::{compose::Target, render::Gpu};
 
-/// All names.
-pub(crate) const NAMES: [&str; 2] = ["webgpu", "vulkan"];
-
-/// The target called `name`. Only `vulkan`, which is what this machine offers, asks for an adapter.
+/// The target called `name`, or in the file of this name where it ends in `.ron`. Only `this`, which is what this machine
+/// offers, asks for an adapter.
 pub(crate) fn target(name: &str) -> Result<Target> {
+    let path = Path::new(name);
+    if path.extension().is_some_and(|end| end == "ron") {
+        return Ok(Target::load(path)?);
+    }
     match name {
-        "webgpu" => Ok(Target::webgpu()),
-        "vulkan" => Gpu::vulkan_target().context(
-            "the target `vulkan` is what this machine's adapter offers; `webgpu` needs none",
+        "this" => Gpu::target().context(
+            "the target `this` is what this machine's adapter offers; the others need none",
         ),
-        _ => bail!(
-            "there is no target `{name}`; choose one of {}",
-            NAMES.join(", ")
-        ),
+        _ => Ok(Target::named(name)?),
     }
 }

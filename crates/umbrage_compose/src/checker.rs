@@ -58,6 +58,9 @@ struct Known {
 /// out, and the summaries of what it calls. Of a shader: its entry points' summaries.
 type Context = SmallVec<[u64; 12]>;
 
+/// Mark of an entry point's place in its unit.
+pub(crate) const ENTRY_POINT: u64 = 1 << 32;
+
 /// A valid function as its callers see it.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Summary {
@@ -115,6 +118,21 @@ impl Verdicts {
             let mut known = self.known.write().unwrap_or_else(PoisonError::into_inner);
             trace.learn(&mut known, permutation, origins);
         }
+    }
+
+    /// Variables that some permutation uses, of those that were found valid.
+    pub(crate) fn uses(&self) -> FxHashSet<ItemNumber> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let uses = known.by_number.iter().flat_map(|summary| &summary.uses);
+        uses.map(|(variable, _)| *variable).collect()
+    }
+
+    /// Functions and entry points of permutations that were found valid: each the address of its unit, and its effects
+    /// among the unit's.
+    pub(crate) fn parts(&self) -> FxHashSet<(u64, u64)> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let parts = known.contexts.keys();
+        parts.map(|context| (context[0], context[1])).collect()
     }
 
     fn roles(&self, library: &Library, module: usize) -> &[Role] {
@@ -360,7 +378,7 @@ impl<'a> Trace<'a> {
         let unit = Arc::as_ptr(home) as u64;
         let (place, counted) = match which {
             Which::Function(id) => (id.1.index() as u64, self.counted.contains(&id)),
-            Which::EntryPoint(index) => (1 << 32 | index as u64, false),
+            Which::EntryPoint(index) => (ENTRY_POINT | index as u64, false),
         };
         let mut context: Context = smallvec![unit, place, self.counting << 1 | u64::from(counted)];
         // Stand-ins for other modules' variables and overrides do not tell their initializers and attributes.

@@ -9,15 +9,20 @@ use std::{
     sync::{Arc, OnceLock, PoisonError, RwLock},
 };
 
+use rustc_hash::FxHashSet;
+
 use crate::{
-    Cause, Error, Fault, Key, Library, Pack, Permutation, ProjectedKey, Target,
+    Cause, Error, Fault, Key, Library, Lint, Linted, Pack, Permutation, ProjectedKey, Target,
     bits::Bits,
     cache::{DiskCache, identity},
-    checker::Verdicts,
+    checker::{ENTRY_POINT, Verdicts},
+    diagnostics::Places,
     features::Features,
     fetches,
     library::Request,
-    link::{Targets, Units, link},
+    link::{Origins, Targets, Units, link},
+    lints,
+    names::ItemNumber,
     prepare::{Prepared, prepare},
     project::{Dependencies, Modules, dependencies, project},
     reach::{Reach, Roots, reach},
@@ -140,6 +145,8 @@ pub struct Checked {
     pub fault: Option<Error>,
     /// Warnings about the permutation.
     pub warnings: Vec<String>,
+    /// Findings of lints in it. Parts that other permutations have too are looked at once, in one of these.
+    pub lints: Vec<Linted>,
     /// Whether it was composed, because some part of it was new or has a fault or a warning.
     pub composed: bool,
 }
@@ -493,6 +500,7 @@ impl Composer {
         let checked = |fault, warnings, composed| Checked {
             fault,
             warnings,
+            lints: Vec::new(),
             composed,
         };
         if let Some(fault) = variant.fault() {
@@ -508,7 +516,17 @@ impl Composer {
         });
         match proved {
             Ok(None) => checked(None, Vec::new(), false),
-            Ok(Some(permutation)) => checked(None, permutation.warnings, true),
+            Ok(Some((permutation, origins))) => {
+                let places = Places {
+                    library: &self.library,
+                    filters: &origins.filters,
+                };
+                let whole = (&self.target, request.root);
+                Checked {
+                    lints: lints::of_permutation(&permutation, &places, whole),
+                    ..checked(None, permutation.warnings, true)
+                }
+            }
             Err(fault) => checked(Some(fault.key(&variant.key()).into()), Vec::new(), true),
         }
     }
@@ -543,7 +561,8 @@ impl Composer {
                 return Ok(Permutation::of_valid(library, target, key, linked, &uses));
             }
         }
-        self.prove(targets, reach, key)
+        let (permutation, _) = self.prove(targets, reach, key)?;
+        Ok(permutation)
     }
 
     /// Links and validates a permutation, and remembers that its parts are valid.
@@ -552,7 +571,7 @@ impl Composer {
         targets: &Targets<'_>,
         reach: &Reach,
         key: ProjectedKey,
-    ) -> Result<Permutation, Fault> {
+    ) -> Result<(Permutation, Origins), Fault> {
         let (library, request) = (&self.library, targets.request);
         let (module, origins) = link(targets, reach, Roots::EntryPoints, false)?;
         let linked = (module, &origins);
@@ -562,7 +581,75 @@ impl Composer {
         }
         self.verdicts
             .learn(targets, reach, (&permutation, &origins));
-        Ok(permutation)
+        Ok((permutation, origins))
+    }
+
+    /// Findings of lints about the whole space, of which every permutation was [checked](Self::check) by this composer,
+    /// without a fault or a warning: what none of them has use for.
+    pub fn lint_space(&self) -> Vec<Linted> {
+        lints::of_space(self)
+    }
+
+    /// Modules as naga parsed them so far.
+    fn units(&self) -> Vec<(usize, Arc<Unit>)> {
+        let mut units = Vec::new();
+        for (module, readings) in self.modules.iter().enumerate() {
+            let readings = readings.read().unwrap_or_else(PoisonError::into_inner);
+            let parsed = readings
+                .entries()
+                .filter_map(|entry| match entry.unit.get() {
+                    Some(Ok(unit)) => Some((module, unit.clone())),
+                    _ => None,
+                });
+            units.extend(parsed);
+        }
+        units
+    }
+
+    /// Functions that some permutation calls, by the modules that the calls name.
+    pub(crate) fn called(&self) -> FxHashSet<ItemNumber> {
+        let parts = self.verdicts.parts();
+        let mut called = FxHashSet::default();
+        for (_, unit) in self.units() {
+            let address = Arc::as_ptr(&unit) as u64;
+            let functions = (0..).zip(&unit.facts);
+            let entries = (ENTRY_POINT..).zip(&unit.entry_facts);
+            for (place, facts) in functions.chain(entries) {
+                if parts.contains(&(address, place)) {
+                    let calls = facts.calls.iter();
+                    called.extend(calls.map(|(callee, _)| unit.called[callee.index()]));
+                }
+            }
+        }
+        called
+    }
+
+    /// Variables that some permutation uses.
+    pub(crate) fn used(&self) -> FxHashSet<ItemNumber> {
+        self.verdicts.uses()
+    }
+
+    /// Bindings that the modules which permutations are made of declare, by module.
+    pub(crate) fn declared_bindings(&self) -> BTreeSet<(usize, String)> {
+        let mut declared = BTreeSet::new();
+        for (module, unit) in self.units() {
+            let variables = unit.module.global_variables.iter().zip(&unit.globals);
+            let own = variables.filter(|((_, variable), item)| {
+                item.module == module && variable.binding.is_some()
+            });
+            declared.extend(own.map(|(_, item)| (module, item.name.clone())));
+        }
+        declared
+    }
+
+    /// Whether a filter in some reading of `module` turns `lint` off at `offset`.
+    pub(crate) fn is_off(&self, module: usize, lint: Lint, offset: usize) -> bool {
+        let readings = &self.modules[module];
+        let readings = readings.read().unwrap_or_else(PoisonError::into_inner);
+        let mut prepared = readings
+            .entries()
+            .filter_map(|entry| entry.prepared.as_ref().ok());
+        prepared.any(|prepared| lints::is_off(&prepared.filters, lint, offset))
     }
 
     /// The permutation of `variant`, which is not kept.

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_hints::did_you_mean;
 use wgsl_parse::lexer::Token;
 
-use crate::{Cause, Fault, Library, error::Place, source::Source};
+use crate::{Cause, Fault, Library, Lint, error::Place, source::Source};
 
 pub(crate) use written::{Written, uses_subgroups};
 
@@ -40,6 +40,9 @@ impl Rule {
         }
     }
 }
+
+/// Beginning of the rules that are our own lints'.
+const OWN: &str = "umbrage.";
 
 const SEVERITIES: [(&str, Severity); 4] = [
     ("off", Severity::Off),
@@ -122,7 +125,7 @@ impl Filters {
     }
 
     /// Severity by the innermost filter for `rule` around `offset`.
-    fn severity(&self, rule: &str, offset: usize) -> Option<Severity> {
+    pub(crate) fn severity(&self, rule: &str, offset: usize) -> Option<Severity> {
         let around = self.around(offset);
         let mut of_rule = around.filter(|filter| filter.setting.rule == rule);
         of_rule.next().map(|filter| filter.setting.severity)
@@ -311,12 +314,14 @@ pub(crate) struct Places<'a> {
 impl<'a> Places<'a> {
     /// Severity of a breach of `rule` at `span`.
     pub(crate) fn severity(&self, rule: Rule, span: Span) -> Severity {
-        let found = self.locate(span).and_then(|(module, range)| {
-            self.filters
-                .get(&module)?
-                .severity(rule.name(), range.start)
-        });
-        found.unwrap_or(Severity::Error)
+        self.severity_of(rule.name(), span)
+            .unwrap_or(Severity::Error)
+    }
+
+    /// Severity by the innermost filter for `rule` around `span`.
+    pub(crate) fn severity_of(&self, rule: &str, span: Span) -> Option<Severity> {
+        let (module, range) = self.locate(span)?;
+        self.filters.get(&module)?.severity(rule, range.start)
     }
 
     pub(crate) fn place(&self, span: Span, label: String) -> Option<Place<'a>> {
@@ -349,6 +354,18 @@ impl<'a> Places<'a> {
                     continue;
                 }
                 let place = self.library.source(*module).place(filter.written.clone());
+                if let Some(name) = rule.strip_prefix(OWN) {
+                    if Lint::ALL.iter().all(|lint| lint.name() != name) {
+                        let known: Vec<_> = Lint::ALL.iter().map(|lint| lint.name()).collect();
+                        let message = format!("umbrage has no lint `{name}`");
+                        let fault = Fault::new(Cause::Syntax, message).at(place);
+                        faults.push(fault.note(match did_you_mean(name, known.iter().copied()) {
+                            Some(hint) => hint,
+                            None => format!("it has `{}`", known.join("`, `")),
+                        }));
+                    }
+                    continue;
+                }
                 // A rule's name with a dot in it belongs to another tool.
                 if rule.contains('.') {
                     if filter.on == On::Statement {

@@ -38,6 +38,24 @@ pub enum Cause {
     Limit,
 }
 
+impl Cause {
+    /// The kind's name: what rules are told apart by in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::File => "file",
+            Self::Manifest => "manifest",
+            Self::Key => "key",
+            Self::Syntax => "syntax",
+            Self::Import => "import",
+            Self::Interface => "interface",
+            Self::Type => "type",
+            Self::Recursion => "recursion",
+            Self::Validation => "validation",
+            Self::Limit => "limit",
+        }
+    }
+}
+
 /// A place in an author's file.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Location {

@@ -314,6 +314,11 @@ impl Library {
         })
     }
 
+    /// Whether both are of the same modules and axes.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.hash() == other.hash()
+    }
+
     /// The hash of all modules and axes.
     pub(crate) fn hash(&self) -> String {
         self.hashes().whole.clone()

@@ -33,7 +33,8 @@ use crate::{
 /// `packages` names folders relative to the manifest. Each of `keys` is a product of values, `All` of
 /// an axis or some; an axis that it leaves out stays at its default. Combinations that are not legal are left out.
 /// One of `keys` may also be a key as text, `"light=spot,pass=caster"`, such as a report says was drawn; it must be
-/// legal. `keys: All` means every legal key.
+/// legal. `keys: All` means every legal key. `target` names what they are for, `webgpu` where it is left out, or a
+/// [table](crate::Target::load)'s file, relative to the manifest.
 #[derive(Debug)]
 pub struct Manifest {
     library: Library,
@@ -89,6 +90,11 @@ impl Manifest {
             (name.clone(), path.canonicalize().unwrap_or(path))
         });
         let packages = packages.collect();
+        // A table's file is named as the packages' folders are.
+        let target = match target.ends_with(".ron") {
+            true => folder.join(&target).display().to_string(),
+            false => target,
+        };
         Ok(Self {
             packages,
             library,
@@ -122,7 +128,7 @@ impl Manifest {
         &self.selection
     }
 
-    /// The name of the target that the keys are for.
+    /// The name of the target that the keys are for, or the path of its table, which ends in `.ron`.
     pub fn target(&self) -> &str {
         &self.target
     }

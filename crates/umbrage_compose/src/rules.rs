@@ -42,6 +42,13 @@ pub(crate) fn check_text(module: &Module, text: &str) -> Result<(), Problem> {
     aliases::check(module)
 }
 
+/// Number of the locations that a vertex stage gives something at, counted from 0 to the last.
+pub(crate) fn locations_given(module: &Module, entry: &EntryPoint) -> u64 {
+    let given = varyings::outputs(module, entry);
+    let last = given.located.last_key_value();
+    last.map_or(0, |(location, _)| u64::from(*location) + 1)
+}
+
 /// All functions, entry points last.
 fn functions(module: &Module) -> impl Iterator<Item = &Function> {
     let entries = module.entry_points.iter().map(|entry| &entry.function);

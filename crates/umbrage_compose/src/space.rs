@@ -31,12 +31,25 @@ impl Selection {
         Self::default()
     }
 
+    /// Whether all legal keys are meant.
+    pub fn is_all(&self) -> bool {
+        self.parts.is_none()
+    }
+
     /// `keys` of `library` and no others.
     pub fn of<'a>(library: &Library, keys: impl IntoIterator<Item = &'a Key>) -> Self {
         let keys: BTreeSet<_> = keys.into_iter().collect();
         let only = |key| library.table().only(library.axes(), key);
         Self {
             parts: Some(keys.into_iter().map(only).collect()),
+        }
+    }
+
+    /// A hash of the keys, by which selections of one library are told apart.
+    pub fn hash(&self) -> String {
+        match &self.parts {
+            None => "all".to_owned(),
+            Some(parts) => blake3::hash(format!("{parts:?}").as_bytes()).to_hex()[..32].to_owned(),
         }
     }
 

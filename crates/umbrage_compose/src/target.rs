@@ -1,6 +1,7 @@
 //! Targets: what a device offers.
 
 mod limits;
+mod table;
 
 use std::{collections::BTreeMap, fmt};
 

@@ -97,19 +97,19 @@ impl Gpu {
         }
     }
 
-    /// The target `vulkan`: all that the machine's Vulkan adapter offers through wgpu, whether a device
+    /// The target `this`: all that the machine's Vulkan adapter offers through wgpu, whether a device
     /// of ours asks for it or not.
     ///
     /// # Errors
     /// No adapter.
-    pub fn vulkan_target() -> Result<Target, GpuError> {
+    pub fn target() -> Result<Target, GpuError> {
         let adapter = find_adapter()?;
         let capabilities = wgpu::wgc::device::features_to_naga_capabilities(
             adapter.features(),
             adapter.get_downlevel_capabilities().flags,
         );
         let target = limits(&adapter.limits()).fold(
-            Target::new("vulkan", capabilities),
+            Target::new("this", capabilities),
             |target, (limit, value)| target.with_limit(limit, value),
         );
         let writes = wgpu::Features::VERTEX_WRITABLE_STORAGE;

@@ -33,7 +33,7 @@ fn missing_and_unknown() {
     assert!(
         refusal(&["render", SCENE, "--what", "heat", "--out", "never.png"]).contains("shadow-term")
     );
-    assert!(refusal(&["prebuild", "--out", "never"]).contains("MANIFEST"));
+    assert!(refusal(&["prebuild", "--out", "never.pack"]).contains("MANIFEST"));
     assert!(refusal(&["check", "permutations/demo.ron", "--target", "gameboy"]).contains("webgpu"));
     assert!(refusal(&["prebuild", "permutations/demo.ron"]).contains("--out"));
     assert!(refusal(&["link", "x.wesl", "--bind", "interface"]).contains("INTERFACE=MODULE"));
@@ -144,7 +144,7 @@ fn no_cause_is_told_twice() {
         &["check", &half],
         &["check", "gone.ron"],
         &["list", "gone.ron"],
-        &["prebuild", "gone.ron", "--out", &path("tree")],
+        &["prebuild", "gone.ron", "--out", &path("tree.pack")],
         &["prebuild", "permutations/demo.ron", "--out", &bad],
         &["cost", "gone.ron"],
         &["cost", "permutations/demo.ron", "--family", "gone"],
@@ -174,7 +174,7 @@ fn no_cause_is_told_twice() {
 fn a_key_is_taken_as_it_is_printed() {
     const KEY: &str = "light=spot,method=basic,pass=shadow_term";
     let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("out").display().to_string();
+    let out = folder.path().join("out.pack").display().to_string();
     let said = |args: &[&str]| {
         let output = umbrage(args);
         assert_eq!(
@@ -204,8 +204,8 @@ fn a_key_is_taken_as_it_is_printed() {
     assert!(said(&["link", "--key", KEY]).contains("fn fs_shadow_term"));
     assert!(said(&["cost", "--key", KEY]).contains(KEY));
     said(&["prebuild", "--key", KEY, "--out", &out]);
-    let index = std::fs::read_to_string(folder.path().join("out/index.json")).expect("an index");
-    assert!(index.contains(KEY), "{index}");
+    let pack = umbrage::compose::Pack::open(&out).expect("a pack");
+    assert_eq!(pack.rows().expect("an index")[0].key, KEY);
 
     let bad = "light=spto,pass=shadow_term";
     for args in [

@@ -28,6 +28,7 @@ fn the_whole_space_is_faultless() {
         (&report["failed"], &report["faults"], &report["warnings"]),
         (&json!(0), &json!([]), &json!([]))
     );
+    assert_eq!(report["lints"], json!([]));
     // More than a million permutations of many more keys.
     assert!(
         report["permutations"].as_u64() > Some(1_000_000),
@@ -136,6 +137,97 @@ fn a_person_reads_the_source_line() {
     assert!(said.contains("fails when light=lamp, method=bad"), "{said}");
 }
 
+/// Each format tells the same fault, at its place, with its cause.
+#[test]
+fn services_read_what_they_know() {
+    let folder = faulty_package();
+    let manifest = path_in(&folder, "all.ron");
+    let printed = |format: &str| {
+        let output = umbrage(&["check", &manifest, "--format", format]);
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        stdout(&output).to_owned()
+    };
+    assert_eq!(printed("text"), "");
+    assert_eq!(
+        printed("json"),
+        stdout(&umbrage(&["check", &manifest, "--json"]))
+    );
+
+    let annotations = printed("github");
+    let lines: Vec<_> = annotations.lines().collect();
+    // The package sets a feature that no module asks for.
+    assert_eq!(lines.len(), 2, "{annotations}");
+    assert!(
+        lines[1].starts_with("::warning::unread=on"),
+        "{annotations}"
+    );
+    let (properties, message) = lines[0]
+        .strip_prefix("::error ")
+        .and_then(|line| line.split_once("::"))
+        .expect("an annotation");
+    assert!(
+        properties.contains("bad.wesl,line=2,col=") && properties.contains("title=umbrage%3A type"),
+        "{properties}"
+    );
+    assert!(
+        message.ends_with("%0Afails when light=lamp, method=bad, in 1 permutation of 2 keys"),
+        "{message}"
+    );
+
+    let log: serde_json::Value = serde_json::from_str(&printed("sarif")).expect("JSON");
+    assert_eq!(log["version"], "2.1.0");
+    let run = &log["runs"][0];
+    assert_eq!(run["tool"]["driver"]["name"], "umbrage");
+    let results = run["results"].as_array().expect("results");
+    assert_eq!(results.len(), 1, "{run}");
+    let result = &results[0];
+    let index = result["ruleIndex"].as_u64().expect("an index") as usize;
+    assert_eq!(
+        result["ruleId"],
+        run["tool"]["driver"]["rules"][index]["id"]
+    );
+    assert_eq!(result["level"], "error");
+    assert_eq!(result["properties"]["cause"], "light=lamp, method=bad");
+    let place = &result["locations"][0]["physicalLocation"];
+    assert_eq!(place["region"]["startLine"], 2);
+    let uri = place["artifactLocation"]["uri"].as_str().expect("a place");
+    assert!(uri.ends_with("pkg/bad.wesl"), "{uri}");
+
+    let tests = quick_junit::Report::deserialize_from_str(&printed("junit")).expect("JUnit");
+    assert_eq!((tests.tests, tests.failures), (1, 1));
+    let case = &tests.test_suites[0].test_cases[0];
+    assert!(case.name.as_str().contains("bad.wesl:2:"), "{case:?}");
+}
+
+/// Where all is well, a service is told so, in its own form.
+#[test]
+fn services_read_that_all_is_well() {
+    let printed = |format: &str| {
+        let output = umbrage(&["check", "--key", "pass=base", "--format", format]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stdout(&output).to_owned()
+    };
+    assert_eq!(printed("github"), "");
+    let log: serde_json::Value = serde_json::from_str(&printed("sarif")).expect("JSON");
+    assert_eq!(log["runs"][0]["results"], json!([]));
+    let tests = quick_junit::Report::deserialize_from_str(&printed("junit")).expect("JUnit");
+    assert_eq!((tests.tests, tests.failures), (1, 0));
+}
+
+#[test]
+fn the_exit_status_is_told() {
+    let help = umbrage(&["check", "--help"]);
+    let told = stdout(&help)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    assert!(
+        told.contains("0 all is well") && told.contains("2 the check could not be carried out"),
+        "{told}"
+    );
+    assert!(refusal(&["check", "--format", "xml"]).contains("sarif"));
+}
+
 #[test]
 fn targets_differ_in_what_they_allow() {
     let folder = faulty_package();
@@ -150,21 +242,49 @@ fn targets_differ_in_what_they_allow() {
     );
     let doubles = "fn calc_shadow(position: vec3f) -> f32 { return f32(f64(position.x)); }\n";
     write(&folder, "pkg/good.wesl", doubles);
+    write(
+        &folder,
+        "doubles.ron",
+        "(\n    capabilities: [\"FLOAT64\"],\n)\n",
+    );
+    write(
+        &folder,
+        "own.ron",
+        &manifest.replace("TARGET", "doubles.ron"),
+    );
     let status = |args: &[&str]| umbrage(&[&["check"], args].concat()).status.code();
-    let (webgpu, vulkan) = (
+    let (webgpu, vulkan, own) = (
         path_in(&folder, "webgpu.ron"),
         path_in(&folder, "vulkan.ron"),
+        path_in(&folder, "own.ron"),
     );
-    // Software Vulkan has 64-bit floats; WebGPU has none.
-    assert_eq!(status(&[&webgpu]), Some(1));
-    assert_eq!(status(&[&vulkan]), Some(0));
-    assert_eq!(status(&[&webgpu, "--target", "vulkan"]), Some(0));
-    assert_eq!(status(&[&vulkan, "--target", "webgpu"]), Some(1));
+    // No table but the last has 64-bit floats; software Vulkan has them.
+    for target in ["webgpu", "vulkan", "metal", "dx12", "gles"] {
+        assert_eq!(status(&[&webgpu, "--target", target]), Some(1), "{target}");
+    }
+    assert_eq!(status(&[&vulkan]), Some(1));
+    assert_eq!(status(&[&vulkan, "--target", "this"]), Some(0));
+    assert_eq!(status(&[&own]), Some(0));
+    assert_eq!(status(&[&own, "--target", "webgpu"]), Some(1));
+    let doubles = path_in(&folder, "doubles.ron");
+    assert_eq!(status(&[&webgpu, "--target", &doubles]), Some(0));
+    write(
+        &folder,
+        "doubles.ron",
+        "(\n    capabilities: [\"FLOAT46\"],\n)\n",
+    );
+    let said = refusal(&["check", &own]);
+    assert!(
+        said.contains("doubles.ron:2:20") && said.contains("did you mean `FLOAT64`?"),
+        "{said}"
+    );
     let said = refusal(&["check", &path_in(&folder, "gameboy.ron")]);
     assert!(
         said.contains("gameboy") && said.contains("webgpu, vulkan"),
         "{said}"
     );
+    let said = refusal(&["check", &webgpu, "--target", "metla"]);
+    assert!(said.contains("did you mean `metal`?"), "{said}");
 }
 
 #[test]

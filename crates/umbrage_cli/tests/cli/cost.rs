@@ -214,3 +214,33 @@ fn no_driver() {
         stderr(&output)
     );
 }
+
+/// One command checks permutations and holds their costs against a budget.
+#[test]
+fn a_check_keeps_the_budget_too() {
+    let folder = small();
+    let manifest = path_in(&folder, "small.ron");
+    let budget = |instructions: u32| {
+        let text = format!(
+            r#"(rules: [(when: {{ "method": "basic" }}, stage: "fragment", max: (instructions: {instructions}))])"#
+        );
+        write(&folder, "budget.ron", &text);
+        path_in(&folder, "budget.ron")
+    };
+    let check = |budget: &str| umbrage(&["check", &manifest, "--budget", budget, "--json"]);
+    let output = check(&budget(100_000));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = check(&budget(100));
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let fault = &json(&output)["faults"][0];
+    assert_eq!(fault["rule"], "budget");
+    assert_eq!(fault["keys"], json!(["method=basic,pass=shadow_term"]));
+    // A service shows it at the budget.
+    assert!(
+        fault["file"]
+            .as_str()
+            .expect("a file")
+            .ends_with("budget.ron")
+    );
+    assert!(refusal(&["check", "--budget", BUDGET]).contains("--key"));
+}

@@ -6,6 +6,7 @@ mod compare;
 mod cost;
 mod explain;
 mod link;
+mod lints;
 mod list;
 mod prebuild;
 mod render;

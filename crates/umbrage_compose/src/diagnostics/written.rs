@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use naga::{Block, Expression, Function, Module, Span, Statement, diagnostic_filter::Severity};
 use serde::{Deserialize, Serialize};
 
-use super::{On, Places, Rule, Setting, severity_name};
+use super::{OWN, On, Places, Rule, Setting, severity_name};
 use crate::uniformity::{Demand, blocks};
 
 /// Filters to print in a linked module's text.
@@ -170,7 +170,9 @@ fn attributes<'a>(function: &Function, places: &Places<'a>) -> (Attributes, Vec<
         let around = filters.around(range.start);
         for filter in around.filter(|filter| filter.on != On::Statement) {
             let rule = filter.setting.rule.as_str();
-            if !Rule::known(rule) && !rules.contains(&rule) {
+            // Our own lints look at what authors write, not at what is printed.
+            let is_own = rule.starts_with(OWN);
+            if !Rule::known(rule) && !is_own && !rules.contains(&rule) {
                 rules.push(rule);
                 attributes.function.push(filter.setting.clone());
             }

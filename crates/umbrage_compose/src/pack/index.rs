@@ -38,6 +38,8 @@ pub struct Header {
 pub(super) struct Head {
     pub(super) header: Header,
     pub(super) permutations: usize,
+    /// How many files the archive has, with its two of JSON.
+    pub(super) files: usize,
     /// The hash of `index.json`.
     pub(super) index: String,
 }
@@ -67,6 +69,9 @@ pub struct Row {
     pub(super) asks: Asks,
     /// Its files by language; of one with a text for each entry point, `glsl` and the entry point's name.
     pub files: BTreeMap<String, String>,
+    /// Overrides that a host can set in the WGSL alone: other languages have them at their defaults.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overrides: Vec<String>,
     /// Languages that it cannot be written in, and why.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub lacks: BTreeMap<Language, String>,

@@ -91,6 +91,14 @@ impl Pack {
         &self.head.header
     }
 
+    /// Whether its index fits its hash, and all files that the index names are there, as far as can be told without reading
+    /// them.
+    pub fn is_whole(&self) -> bool {
+        let mut archive = self.archive.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = read(&mut archive, INDEX).map(|bytes| short(&bytes) == self.head.index);
+        index.unwrap_or(false) && archive.len() == self.head.files
+    }
+
     /// How many permutations it has.
     pub fn len(&self) -> usize {
         self.head.permutations

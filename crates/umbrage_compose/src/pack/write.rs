@@ -142,6 +142,9 @@ impl PackWriter {
             modules: Vec::new(),
             asks: Asks::default(),
             files: BTreeMap::new(),
+            overrides: (permutation.reflection.overrides.iter())
+                .map(|item| item.name.clone())
+                .collect(),
             lacks: BTreeMap::new(),
         };
         place(&mut row);
@@ -207,6 +210,7 @@ impl PackWriter {
         let head = Head {
             header: self.header,
             permutations: count,
+            files: self.files.len() + 2,
             index: short(&index),
         };
         let head = json(&head)?;

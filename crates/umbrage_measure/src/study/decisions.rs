@@ -67,6 +67,12 @@ impl Lab {
         let mut without = config.shadow.axes.keys().map(|axis| {
             let mut plain = config.clone();
             plain.shadow.axes.remove(axis);
+            // Settings of the part that is gone went with it.
+            if let Ok(choice) = plain.shadow.choice(self.registry(), self.library()) {
+                let known = choice.settings();
+                let is_known = |name: &String| known.iter().any(|setting| setting.name == name);
+                plain.shadow.settings.retain(|name, _| is_known(name));
+            }
             plain
         });
         // The choices left need not go together.
