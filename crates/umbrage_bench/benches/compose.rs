@@ -7,6 +7,8 @@
     reason = "a benchmark reports on standard output"
 )]
 
+#[path = "compose/packs.rs"]
+mod packs;
 #[path = "compose/peers.rs"]
 mod peers;
 #[path = "compose/space.rs"]
@@ -20,6 +22,7 @@ use umbrage_bench::{Spread, time, write_report};
 use umbrage_compose::{Composer, Key, Library, Target};
 
 use crate::{
+    packs::Packs,
     peers::{NagaOil, Sources, WeslCompiler, face},
     space::Space,
 };
@@ -52,6 +55,8 @@ struct Report {
     space_over_floor: f64,
     keys_exponent: f64,
     space: Space,
+    #[serde(flatten)]
+    packs: Packs,
     wgsl_bytes: usize,
     rounds: usize,
     floor_us: Spread,
@@ -67,6 +72,7 @@ struct Report {
 fn main() -> Result<(), Box<dyn Error>> {
     // First, while the process has taken no memory for anything else.
     let space = Space::measure()?;
+    let packs = Packs::measure()?;
     let library = || Library::new([umbrage_shader_lib::package()?]);
     let wanted = library()?.key(WANTED.iter().copied())?;
     let whole = Composer::new(library()?, Target::webgpu()).compose(&wanted)?;
@@ -128,6 +134,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             / (space.permutations as f64 * spread(&floor).median),
         keys_exponent: space.keys_exponent,
         space,
+        packs,
         wgsl_bytes: text.len(),
         rounds: ROUNDS,
         floor_us: spread(&floor),
@@ -202,6 +209,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "(g) keys' exponent       {:.4}  (goal 0)",
         report.keys_exponent
     );
+    report.packs.print();
     println!("written to {}", write_report("compose", &report)?.display());
     Ok(())
 }

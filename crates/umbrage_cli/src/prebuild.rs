@@ -2,16 +2,17 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    num::NonZeroUsize,
     path::Path,
     process::ExitCode,
     sync::Arc,
+    thread,
 };
 
 use anyhow::{Context, Result, bail};
-use rayon::prelude::*;
 use serde::Serialize;
 use umbrage::compose::{
-    Composer, Error, Header, Language, Manifest, Pack, PackWriter, Packed, Selection, Variant,
+    Composer, Error, Filled, Header, Language, Manifest, Pack, PackWriter, Selection, Variant,
     sweep_beside,
 };
 
@@ -45,16 +46,8 @@ struct Lack {
     reason: String,
 }
 
-/// Permutations that wait at once for a place in the pack: memory holds no more of them.
-const AT_ONCE: usize = 256;
-
 pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
     check_out(&args.out)?;
-    if let Some(jobs) = args.jobs {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.get());
-        pool.build_global()
-            .context("the threads that --jobs asks for cannot be started")?;
-    }
     let (composer, selections) = selected(args, known)?;
     let selected = selections.iter().map(Selection::hash).collect::<Vec<_>>();
     let languages: BTreeSet<_> = args.targets.iter().copied().collect();
@@ -80,17 +73,32 @@ pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
         );
         return report(args, (count, 0), true, before, Vec::new());
     }
-    let mut writer = PackWriter::new(&composer, header.clone())?;
-    let (composed, warnings) = fill(
-        &mut writer,
-        (&composer, &header),
-        &selections,
+    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let jobs = args.jobs.map_or(cores, NonZeroUsize::get);
+    let mut writer = PackWriter::new(&composer, header)?;
+    // Permutations of several manifests are made once.
+    let mut seen = BTreeSet::new();
+    let variants = selections.iter().flat_map(|some| composer.select(some));
+    let is_new = |variant: &Variant<'_>| selections.len() == 1 || seen.insert(variant.key());
+    let bar = waiting("prebuilding");
+    let filled = writer.fill(
+        &composer,
+        variants.filter(is_new),
+        jobs,
         before.as_ref(),
-    )?;
+        |done, composed| {
+            bar.set_message(format!(
+                "prebuilding: {done} permutations, {composed} composed"
+            ));
+        },
+    );
+    bar.finish_and_clear();
+    let Filled { composed, warnings } = filled?;
     let count = writer.finish(&args.out)?;
     for warning in &warnings {
         eprintln!("warning: {warning}");
     }
+    let warnings = warnings.into_iter().collect();
     let written = Pack::open(&args.out)?;
     eprintln!(
         "{count} permutations are in {}: {composed} composed, {} as they were",
@@ -158,48 +166,6 @@ fn selected(args: &PrebuildArgs, known: &Known) -> Result<(Composer, Vec<Selecti
     let target = target(manifest.target())?;
     let selections = manifests.iter().map(|(_, m)| m.selection().clone());
     Ok((Composer::new(library, target), selections.collect()))
-}
-
-/// Makes all permutations and adds them to the pack; how many were composed, and warnings about them.
-fn fill(
-    writer: &mut PackWriter,
-    (composer, header): (&Composer, &Header),
-    selections: &[Selection],
-    before: Option<&Arc<Pack>>,
-) -> Result<(usize, Vec<String>)> {
-    let bar = waiting("prebuilding");
-    let mut seen = BTreeSet::new();
-    let mut warnings = BTreeSet::new();
-    let (mut composed, mut done) = (0, 0);
-    for selection in selections {
-        let mut variants = composer.select(selection);
-        loop {
-            // Permutations of several manifests are made once.
-            let is_new =
-                |variant: &Variant<'_>| selections.len() == 1 || seen.insert(variant.key());
-            let some: Vec<_> = variants.by_ref().filter(is_new).take(AT_ONCE).collect();
-            if some.is_empty() {
-                break;
-            }
-            let made = some
-                .par_iter()
-                .map(|variant| PackWriter::make(composer, header, variant, before));
-            for packed in made.collect::<Result<Vec<Option<Packed>>, Error>>()? {
-                let Some(packed) = packed else {
-                    continue;
-                };
-                composed += usize::from(!packed.is_kept);
-                warnings.extend(packed.warnings.iter().cloned());
-                writer.add(packed)?;
-            }
-            done += some.len();
-            bar.set_message(format!(
-                "prebuilding: {done} permutations, {composed} composed"
-            ));
-        }
-    }
-    bar.finish_and_clear();
-    Ok((composed, warnings.into_iter().collect()))
 }
 
 /// Tells what the languages lack, and prints the report.

@@ -302,10 +302,22 @@ impl Composer {
         if let Some(pack) = &self.pack {
             let request = self.library.request(key)?;
             // A damaged one is told of below.
-            if let Ok(Some(permutation)) = pack.find((&self.library, &self.target), &request) {
-                let composed = self.packed(permutation);
-                self.remember(&composed.permutation.key.clone(), &composed.permutation);
-                return Ok(composed);
+            if let Ok(Some((key, identity))) = pack.find((&self.library, &self.target), &request) {
+                if let Some(permutation) = self.remembered(&key) {
+                    return Ok(Composed {
+                        permutation,
+                        source: Source::Memory,
+                        warnings: Vec::new(),
+                    });
+                }
+                let pass = self.library.axes().pass(&key);
+                let keys = [key];
+                let found = pack.by_identity(identity, (&keys, pass), &self.target);
+                if let Ok(Some(permutation)) = found {
+                    let composed = self.packed(permutation);
+                    self.remember(&keys[0], &composed.permutation);
+                    return Ok(composed);
+                }
             }
         }
         let (request, found) = self.read(key)?;

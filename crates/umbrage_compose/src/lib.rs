@@ -164,7 +164,7 @@ pub use lints::{Lint, Linted};
 pub use manifest::Manifest;
 pub use outputs::{Language, Output};
 pub use overrides::{InSpirv, Override, OverrideType};
-pub use pack::{Header, Pack, PackWriter, Packed, Row};
+pub use pack::{Filled, Header, Pack, PackWriter, Row};
 pub use package::Package;
 pub use pass::{Blend, Depth, Factor, Over, Pass, Purpose};
 pub use permutation::Permutation;

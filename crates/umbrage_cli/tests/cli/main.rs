@@ -8,6 +8,7 @@ mod explain;
 mod link;
 mod lints;
 mod list;
+mod packs;
 mod prebuild;
 mod render;
 mod stress;

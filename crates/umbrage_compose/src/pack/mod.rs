@@ -25,7 +25,7 @@ use zip::ZipArchive;
 use self::index::{FORMAT, Head, Index, short};
 pub use self::{
     index::{Header, Row},
-    write::{PackWriter, Packed},
+    write::{Filled, PackWriter},
 };
 use crate::{
     Cause, Error, Fault, Library, Pass, Permutation, ProjectedKey, Target, cache, library::Request,
@@ -148,13 +148,13 @@ impl Pack {
         known.as_ref().map_err(Clone::clone)
     }
 
-    /// The permutation of a key with these demands on the linker, by the answers alone: only of a pack that is of the same
-    /// library and target.
+    /// The key, and the permutation's identity, of a key with these demands on the linker, by the answers alone: only of a
+    /// pack that is of the same library and target.
     pub(crate) fn find(
         &self,
         (library, target): (&Library, &Target),
         request: &Request,
-    ) -> Result<Option<Permutation>, Error> {
+    ) -> Result<Option<(ProjectedKey, &str)>, Error> {
         if !self.head.header.is_of(library, target) {
             return Ok(None);
         }
@@ -166,8 +166,7 @@ impl Pack {
             return Ok(None);
         };
         let key = ProjectedKey::of(library.parse_key(&row.key)?);
-        let pass = library.axes().pass(&key);
-        self.permutation(row, (&[key], pass), target).map(Some)
+        Ok(Some((key, &row.identity)))
     }
 
     /// The permutation with this identity.
@@ -184,20 +183,12 @@ impl Pack {
         let Some(row) = known.by_identity.get(identity) else {
             return Ok(None);
         };
-        self.permutation(&known.index.permutations[*row], keys, target)
-            .map(Some)
-    }
-
-    fn permutation(
-        &self,
-        row: &Row,
-        keys: (&[ProjectedKey], Option<Pass>),
-        target: &Target,
-    ) -> Result<Permutation, Error> {
+        let row = &known.index.permutations[*row];
         let lacking = || no_good(&self.path, &format!("`{}` has no IR", row.key));
         let bytes = self.file(row.files.get(IR).ok_or_else(lacking)?)?;
         // It was validated when the pack was made, and its hash is that of the index.
         cache::decode(&bytes, keys, target, true)
+            .map(Some)
             .map_err(|reason| no_good(&self.path, &format!("`{}`: {reason}", row.key)))
     }
 }

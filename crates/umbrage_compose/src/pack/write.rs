@@ -5,7 +5,11 @@ use std::{
     fs::File,
     io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write as _},
     path::Path,
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
 };
 
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -44,14 +48,23 @@ enum Kept {
 
 /// A permutation, ready to be added.
 #[derive(Debug)]
-pub struct Packed {
+struct Packed {
     row: Row,
     outputs: Outputs,
-    /// Warnings about it.
-    pub warnings: Vec<String>,
-    /// Whether it was taken from an earlier pack.
-    pub is_kept: bool,
+    warnings: Vec<String>,
 }
+
+/// Permutations that were added to a pack.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Filled {
+    /// How many were composed; the others were taken from an earlier pack, or are of another shard.
+    pub composed: usize,
+    /// Warnings about them.
+    pub warnings: BTreeSet<String>,
+}
+
+/// Permutations that wait at once for a place in a pack: memory holds no more of them.
+const AT_ONCE: usize = 256;
 
 #[derive(Debug)]
 enum Outputs {
@@ -70,7 +83,9 @@ impl PackWriter {
             let source = library.source(module);
             (source.path.clone(), short(source.text.as_bytes()))
         });
-        let features = library.features().iter();
+        let mut features: Vec<_> = library.features().iter().collect();
+        features.sort_by_key(|(_, number)| *number);
+        let features = features.into_iter();
         let index = Index {
             sources: sources.collect(),
             features: features.map(|(name, _)| name.to_owned()).collect(),
@@ -89,13 +104,62 @@ impl PackWriter {
         })
     }
 
-    /// The permutation of `variant`, made for a pack with this header: taken from the pack `before`, where it has the same;
-    /// none where it is of another shard.
+    /// Adds the permutations of `variants`, made by so many threads, those of its shard alone; what the pack `before` has of
+    /// the same sources is taken over. `told` hears how many were gone through, and how many of them were composed.
     ///
     /// # Errors
-    /// Faults in its modules, what the target does not allow, and what cannot be said in one of the languages, but for
-    /// overrides without defaults.
-    pub fn make(
+    /// Faults in modules, what the target does not allow, what cannot be said in one of the languages (but for overrides
+    /// without defaults, and for GLSL), a disk that is full.
+    pub fn fill<'c>(
+        &mut self,
+        composer: &'c Composer,
+        mut variants: impl Iterator<Item = Variant<'c>>,
+        threads: usize,
+        before: Option<&Arc<Pack>>,
+        mut told: impl FnMut(usize, usize),
+    ) -> Result<Filled, Error> {
+        let mut filled = Filled::default();
+        let mut done = 0;
+        loop {
+            let some: Vec<_> = variants.by_ref().take(AT_ONCE).collect();
+            if some.is_empty() {
+                return Ok(filled);
+            }
+            done += some.len();
+            let (next, header) = (AtomicUsize::new(0), &self.header);
+            let work = || {
+                let mut made = Vec::new();
+                while let Some(variant) = some.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let place = variant.key().to_string();
+                    made.push((place, Self::make(composer, header, variant, before)));
+                }
+                made
+            };
+            let mut made: Vec<_> = thread::scope(|scope| {
+                let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+                let ended = threads.into_iter().map(|thread| {
+                    let ended = thread.join();
+                    ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                });
+                ended.flatten().collect()
+            });
+            // Whichever thread was faster, the same fault is told.
+            made.sort_by(|(a, _), (b, _)| a.cmp(b));
+            for (_, packed) in made {
+                let Some(packed) = packed? else {
+                    continue;
+                };
+                filled.composed += usize::from(matches!(packed.outputs, Outputs::Made(_)));
+                filled.warnings.extend(packed.warnings.iter().cloned());
+                self.add(packed)?;
+            }
+            told(done, filled.composed);
+        }
+    }
+
+    /// The permutation of `variant`, made for a pack with this header: taken from the pack `before`, where it has the same;
+    /// none where it is of another shard.
+    fn make(
         composer: &Composer,
         header: &Header,
         variant: &Variant<'_>,
@@ -132,7 +196,6 @@ impl PackWriter {
                 row,
                 outputs: Outputs::Kept(Arc::clone(pack)),
                 warnings: Vec::new(),
-                is_kept: true,
             }));
         }
         let permutation = composer.make_alone(variant)?;
@@ -153,15 +216,10 @@ impl PackWriter {
             row,
             outputs: Outputs::Made(outputs),
             warnings: permutation.warnings.clone(),
-            is_kept: false,
         }))
     }
 
-    /// Adds a permutation; one that is there already is not added again.
-    ///
-    /// # Errors
-    /// A disk that is full.
-    pub fn add(&mut self, packed: Packed) -> Result<(), Error> {
+    fn add(&mut self, packed: Packed) -> Result<(), Error> {
         match packed.outputs {
             Outputs::Made(outputs) => {
                 for (name, bytes) in outputs {
@@ -186,11 +244,6 @@ impl PackWriter {
         }
         self.index.permutations.push(packed.row);
         Ok(())
-    }
-
-    /// How many files it has so far.
-    pub fn files(&self) -> usize {
-        self.files.len()
     }
 
     /// Writes the pack to `path`, in the place of what is there, and tells how many permutations it has.
@@ -319,7 +372,6 @@ impl PackWriter {
                     row: row.clone(),
                     outputs: Outputs::Kept(Arc::clone(pack)),
                     warnings: Vec::new(),
-                    is_kept: true,
                 })?;
             }
         }
