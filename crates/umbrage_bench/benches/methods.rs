@@ -217,6 +217,7 @@ fn shading(
     let ways = LOOKUPS.map(|lookup| Way {
         method: Some("pssm"),
         axes: [("lookup", lookup), ("pcf", "3")],
+        always_bounded: false,
         path: umbrage_render::Path::Mask,
     });
     let rounds = timing::time(renderer, scene, ways)?;

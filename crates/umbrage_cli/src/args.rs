@@ -414,9 +414,8 @@ pub(crate) struct LinkArgs {
 fn language() -> impl TypedValueParser<Value = Language> {
     let names = Language::ALL.map(Language::name);
     PossibleValuesParser::new(names).try_map(|name| {
-        let all = Language::ALL.into_iter();
-        all.filter(|language| language.name() == name)
-            .next_back()
+        let mut all = Language::ALL.into_iter();
+        all.find(|language| language.name() == name)
             .ok_or("there is no such language")
     })
 }
