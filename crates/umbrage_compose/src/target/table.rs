@@ -140,7 +140,7 @@ mod tests {
         for (text, at, said) in [
             (
                 "(\n    capabilities: [\"FLOAT64\", \"SHADER_FLOAT61\"],\n)",
-                (2, 32),
+                (2, 31),
                 "`SHADER_FLOAT16`",
             ),
             (

@@ -242,12 +242,16 @@ impl<'a> Job<'a> {
         self.cube(self.resolution, maps.collect(), constants)
     }
 
-    /// Widens the map by its filter's margin, and until its texels are no finer than `least`.
+    /// Texels along a map below which rounding is told from the map's side, not from a texel.
+    const FEW: f64 = 32.0;
+
+    /// Widens the map by its filter's margin, and until its texels are no finer than `least`, the exactness of positions;
+    /// where it has few, until that is a small part of the whole.
     fn expand(&self, seen: &mut Extent, least: f64) {
         let resolution = f64::from(self.resolution);
         // A map hardly wider than its filter keeps half of itself for what it is to hold.
         let margin = self.margin.min(0.25 * resolution);
-        let size = seen.rect.size().max(DVec2::splat(least * resolution));
+        let size = seen.rect.size().max(DVec2::splat(least * resolution.max(Self::FEW)));
         seen.rect = seen
             .rect
             .resized(size * resolution / (resolution - 2.0 * margin));
