@@ -251,7 +251,10 @@ impl<'a> Job<'a> {
         let resolution = f64::from(self.resolution);
         // A map hardly wider than its filter keeps half of itself for what it is to hold.
         let margin = self.margin.min(0.25 * resolution);
-        let size = seen.rect.size().max(DVec2::splat(least * resolution.max(Self::FEW)));
+        let size = seen
+            .rect
+            .size()
+            .max(DVec2::splat(least * resolution.max(Self::FEW)));
         seen.rect = seen
             .rect
             .resized(size * resolution / (resolution - 2.0 * margin));
