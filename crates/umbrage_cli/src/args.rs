@@ -256,7 +256,7 @@ pub(crate) struct CheckArgs {
     pub(crate) manifests: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) keys: KeyArgs,
-    /// What to validate for, in place of the manifests' own targets: webgpu, vulkan, metal, dx12, gles, a table of your
+    /// The target to validate for, in place of the manifests' own: webgpu, vulkan, metal, dx12, gles, a table of your
     /// own, or `this`, which is what this machine's adapter offers.
     #[arg(long, value_name = "NAME|FILE.ron")]
     pub(crate) target: Option<String>,

@@ -93,11 +93,16 @@ pub(crate) fn waiting(what: &'static str) -> ProgressBar {
 
 /// Says at once, rather than after the work, where the picture cannot be written.
 pub(crate) fn check_picture(out: &Path) -> Result<()> {
-    let png = out
+    check_file(out, "picture", "png")
+}
+
+/// The same of any file: `what` it is, and how its name must end.
+pub(crate) fn check_file(out: &Path, what: &str, end: &str) -> Result<()> {
+    let is_named = out
         .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if !png || out.is_dir() {
-        bail!("--out {} names no picture; end it in .png", out.display());
+        .is_some_and(|extension| extension.eq_ignore_ascii_case(end));
+    if !is_named || out.is_dir() {
+        bail!("--out {} names no {what}; end it in .{end}", out.display());
     }
     sweep_beside(out);
     let folder = match out.parent() {

@@ -13,13 +13,12 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use umbrage::compose::{
     Composer, Error, Filled, Header, Language, Manifest, Pack, PackWriter, Selection, Variant,
-    sweep_beside,
 };
 
 use crate::{
     args::{MergeArgs, PrebuildArgs},
     known::Known,
-    output::{print_json, waiting},
+    output::{check_file, print_json, waiting},
     targets::target,
 };
 
@@ -47,7 +46,7 @@ struct Lack {
 }
 
 pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
-    check_out(&args.out)?;
+    check_file(&args.out, "pack", "pack")?;
     let (composer, selections) = selected(args, known)?;
     let selected = selections.iter().map(Selection::hash).collect::<Vec<_>>();
     let languages: BTreeSet<_> = args.targets.iter().copied().collect();
@@ -109,7 +108,7 @@ pub(crate) fn prebuild(args: &PrebuildArgs, known: &Known) -> Result<ExitCode> {
 }
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<ExitCode> {
-    check_out(&args.out)?;
+    check_file(&args.out, "pack", "pack")?;
     let shards = args
         .shards
         .iter()
@@ -118,25 +117,6 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<ExitCode> {
     let count = PackWriter::merge(&shards)?.finish(&args.out)?;
     eprintln!("{count} permutations are in {}", args.out.display());
     Ok(ExitCode::SUCCESS)
-}
-
-/// Says at once, rather than after the work, that a pack cannot be written.
-fn check_out(out: &Path) -> Result<()> {
-    if out.extension().is_none_or(|extension| extension != "pack") || out.is_dir() {
-        bail!("--out {} names no pack; end it in .pack", out.display());
-    }
-    let folder = match out.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    sweep_beside(out);
-    tempfile::tempfile_in(folder).with_context(|| {
-        format!(
-            "--out {} cannot be written; choose a folder that exists and may be written to",
-            out.display()
-        )
-    })?;
-    Ok(())
 }
 
 /// The composer of all that is to be prebuilt, and the keys of each manifest.

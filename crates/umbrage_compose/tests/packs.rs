@@ -76,7 +76,7 @@ fn keys(library: &Library) -> Vec<Key> {
     all
 }
 
-/// What a composer with the pack at `path` gives for each key, held against one without; how many came from the pack.
+/// Holds a composer with the pack at `path` against one without, key by key; how many permutations came from the pack.
 fn held(path: &Path, shared: &str) -> Result<usize, Error> {
     let pack = Arc::new(Pack::open(path)?);
     let (packed, own) = (composer(shared).with_pack(pack), composer(shared));

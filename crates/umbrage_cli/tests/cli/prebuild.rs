@@ -78,7 +78,7 @@ fn each_permutation_once_in_all_languages() {
     }
     // Files have the names of their contents, so that no two are the same.
     assert_eq!(names(folder.path()), ["demo.pack"]);
-    // Whatever opens zip archives opens it.
+    // Ordinary tools open it as a zip archive.
     let mut zip = zip::ZipArchive::new(fs::File::open(&out).expect("a file")).expect("a zip");
     assert_eq!(zip.by_index(0).expect("an entry").name(), "pack.json");
 }
@@ -148,7 +148,7 @@ fn an_edit_makes_anew_what_it_reaches() {
         "fn calc_shadow(position: vec3f) -> f32 { return position.y; }\n",
     );
     assert_eq!(counts("edited"), ([1, 1], false));
-    // What is kept is what would have been made.
+    // An incremental pack has the bytes of one made from nothing.
     let kept = bytes(&out);
     fs::remove_file(&out).expect("removed");
     assert_eq!(counts("anew"), ([1, 1], false));

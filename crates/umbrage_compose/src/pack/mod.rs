@@ -5,7 +5,7 @@
 //! hash of its contents, once however many permutations have it: the IR that wgpu takes (`ir/`), the reflection as JSON
 //! (`reflection/`), and the shader in each language asked for.
 //!
-//! What was validated when the pack was made is not validated again when it is read: `pack.json` has the hash of the index,
+//! Permutations that were validated when the pack was made are not validated again when it is read: `pack.json` has the hash of the index,
 //! the index those of all files, and both say for which version of naga and which target that holds. A pack that is cut
 //! short or changed is refused; one of older sources gives the permutations whose own modules are unchanged.
 
@@ -86,7 +86,7 @@ impl Pack {
         &self.path
     }
 
-    /// What it was made from.
+    /// Its sources, selection and languages, by their hashes and names.
     pub fn header(&self) -> &Header {
         &self.head.header
     }

@@ -24,7 +24,7 @@ fn is_bounded(filter: &str, width: &str, side: f64, pixels: Option<[u32; 2]>, al
         .last()
         .expect("bounds, or what stands for them");
     let built = built.count();
-    // What no pass writes takes no room.
+    // A texture that no pass writes takes no room.
     assert!(built == 1 || (bounds.width, bounds.height) == (1, 1));
     built == 1
 }
