@@ -1,6 +1,12 @@
 //! Packs and records that are damaged: refused or passed over, and never another shader.
 
-use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
+use std::{
+    collections::BTreeSet,
+    fs,
+    io::{Read as _, Write as _},
+    path::Path,
+    sync::Arc,
+};
 
 use proptest::prelude::*;
 use umbrage_compose::{
@@ -150,6 +156,46 @@ fn shards_are_the_whole() {
             "{of}"
         );
     }
+}
+
+/// Another file under a name is found by its hash, though the archive itself is sound.
+#[test]
+fn files_that_changed_places_are_told_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("small.pack");
+    let bytes = written(&path, 1, None);
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("an archive");
+    let mut files = Vec::new();
+    for place in 0..archive.len() {
+        let mut file = archive.by_index(place).expect("a file");
+        let mut contents = Vec::new();
+        file.read_to_end(&mut contents).expect("read");
+        files.push((file.name().to_owned(), contents));
+    }
+    let is_ir = |place: &usize| files[*place].0.starts_with("ir/");
+    let places: Vec<_> = (0..files.len()).filter(is_ir).collect();
+    let first = files[places[0]].1.clone();
+    for pair in places.windows(2) {
+        files[pair[0]].1 = files[pair[1]].1.clone();
+    }
+    files[places[places.len() - 1]].1 = first;
+    let mut writer = zip::ZipWriter::new(fs::File::create(&path).expect("a file"));
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    for (name, contents) in files {
+        writer.start_file(name, options).expect("begun");
+        writer.write_all(&contents).expect("written");
+    }
+    writer.finish().expect("ended");
+    let pack = Pack::open(&path).expect("a sound archive");
+    for row in pack.rows().expect("an index") {
+        let told = pack
+            .file(&row.files["ir"])
+            .expect_err("another's")
+            .to_string();
+        assert!(told.contains("do not fit its name"), "{told}");
+    }
+    assert_eq!(held(&path, SHARED).expect("composes"), 0);
 }
 
 proptest! {
